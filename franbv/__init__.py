@@ -1,0 +1,1 @@
+"""FRA-NBV: the planner. Depth in, poses out; it knows no simulator."""

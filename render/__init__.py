@@ -1,0 +1,1 @@
+"""The sensor: a scene in; infrared pair, depth, truth and labels out."""

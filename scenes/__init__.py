@@ -1,0 +1,1 @@
+"""What stands in front of the sensor: parts, coupons, table, lamps, room, user CAD."""

@@ -1,0 +1,77 @@
+"""A scene as plain data: bodies with materials, lamps and a constant ambient radiance. World frame, metres, z up."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.spatial.transform import RigidTransform
+
+from materials.material import Material
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A triangle mesh; outward faces are counter-clockwise."""
+
+    vertices: Float[np.ndarray, "n 3"]
+    """Positions [m]."""
+    faces: Int[np.ndarray, "m 3"]
+    """Vertex indices."""
+    uvs: Float[np.ndarray, "n 2"] | None = None
+    """Texture coordinates [m along the surface]; u runs along the lay of brushed, ground and milled finishes."""
+    normals: Float[np.ndarray, "n 3"] | None = None
+    """Shading normals of smooth surfaces; None = flat faces."""
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """One surface of one material."""
+
+    name: str
+    mesh: Mesh
+    """In world coordinates [m]."""
+    material: Material
+    is_part: bool
+    """True for what is to be reconstructed; False for table, room, fixtures."""
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """A rectangular diffuse emitter that shines along its local +z."""
+
+    name: str
+    T_world_lamp: RigidTransform
+    width: float
+    """Along local x [m]."""
+    height: float
+    """Along local y [m]."""
+    radiance: float
+    """In the imager's band, 850 nm side [W m^-2 sr^-1]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """All that the sensor can see."""
+
+    name: str
+    bodies: tuple[Body, ...]
+    lamps: tuple[Lamp, ...]
+    ambient_radiance: float
+    """Constant radiance from every direction that leaves the scene [W m^-2 sr^-1]."""
+
+    @property
+    def part_bodies(self) -> tuple[Body, ...]:
+        """The bodies that belong to the part."""
+        return tuple(body for body in self.bodies if body.is_part)
+
+    def part_mesh(self) -> Mesh:
+        """The part as one mesh (positions and faces only)."""
+        offsets = np.cumsum([0, *(len(b.mesh.vertices) for b in self.part_bodies)])
+        return Mesh(
+            np.concatenate([b.mesh.vertices for b in self.part_bodies]),
+            np.concatenate([b.mesh.faces + o for b, o in zip(self.part_bodies, offsets, strict=False)]),
+        )
+
+    def with_materials(self, change) -> "Scene":
+        """The same scene with every body's material replaced by `change(body)`."""
+        return replace(self, bodies=tuple(replace(body, material=change(body)) for body in self.bodies))

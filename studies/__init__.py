@@ -1,0 +1,1 @@
+"""The questions: single frames, reconstructions, studies, datasets; the command line and the reports."""
