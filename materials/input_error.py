@@ -1,0 +1,5 @@
+"""The one exception for input that a person can mend."""
+
+
+class InputError(ValueError):
+    """Bad input. The message is one line: the thing, the place, the mend. The command line prints it and exits with 2."""
