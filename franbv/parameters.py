@@ -1,0 +1,143 @@
+"""Every number of the method in one frozen model, each with its unit and its source.
+
+"Table" is the parameter table of the FRA-NBV paper (its fig. 6b); "text" is the paper's prose; "choice" is ours, with
+the reason. Lengths [m], angles [deg] where the name says so. The studies load it from YAML; unknown keys are refused.
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Positive = Annotated[float, Field(gt=0)]
+Share = Annotated[float, Field(ge=0, le=1)]
+Count = Annotated[int, Field(ge=1)]
+PolarAngle = Annotated[float, Field(ge=0, le=90)]
+Vector = tuple[float, float, float]
+
+
+def _number(default, description: str):
+    return Field(default=default, description=description)
+
+
+class Parameters(BaseModel):
+    """All parameters of PB-NBV and FRA-NBV."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    # -- acquisition -------------------------------------------------------------------------------------------------
+    n_frames: Count = _number(15, "N_k, depth frames taken from each pose [-]. Table.")
+
+    # -- voxel map ---------------------------------------------------------------------------------------------------
+    voxel_size: Positive = _number(0.0075, "s_v, voxel side [m]. Table.")
+    workspace_min: Vector = _number(
+        (-0.24, -0.24, -0.015),
+        "Lower corner of the mapped box [m]. Choice: parts of up to 20 cm at the origin with 14 cm to spare; two "
+        "layers below the table so that its surface is inside.",
+    )
+    workspace_max: Vector = _number(
+        (0.24, 0.24, 0.36), "Upper corner of the mapped box [m]. Choice: parts of up to 20 cm with 16 cm to spare."
+    )
+    hit_probability: Share = _number(0.7, "Occupancy of a voxel in which a ray ends [-]. OctoMap's default.")
+    miss_probability: Share = _number(0.4, "Occupancy of a voxel that a ray crosses [-]. OctoMap's default.")
+    min_probability: Share = _number(0.12, "Lower clamp of the occupancy [-]. OctoMap's default (0.1192).")
+    max_probability: Share = _number(0.97, "Upper clamp of the occupancy [-]. OctoMap's default (0.971).")
+    carve_on_missing: bool = _number(
+        False,
+        "Whether pixels without depth carve their rays free. Choice: no, it would erase the very holes; an ablation.",
+    )
+
+    # -- object ------------------------------------------------------------------------------------------------------
+    table_height: float = _number(0.0, "World z of the table top [m]. Convention of the world frame.")
+    table_clearance: Positive = _number(
+        0.005,
+        "Voxels whose centre is less than this above the table belong to it [m]. Choice: with voxel centres at "
+        "multiples of s_v this removes the layer that holds the table top, and no more.",
+    )
+    min_component_voxels: Count = _number(
+        5, "Smallest connected component kept as object [voxels]. Choice: floaters of false depth are smaller."
+    )
+    min_component_share: Share = _number(
+        0.1,
+        "Components below this share of the largest are dropped [-]. Choice: floaters inflate the box and push the "
+        "candidates away.",
+    )
+    prior_min: Vector = _number(
+        (-0.1, -0.1, 0.0), "Lower corner of the box that stands in until a voxel is occupied [m]. Choice: 20 cm parts."
+    )
+    prior_max: Vector = _number(
+        (0.1, 0.1, 0.12), "Upper corner of the box that stands in until a voxel is occupied [m]. Choice: 20 cm parts."
+    )
+
+    # -- ellipsoids --------------------------------------------------------------------------------------------------
+    max_components: Count = _number(
+        20, "Largest number of mixture components tried by BIC [-]. Choice: with 10 most fits end at the cap."
+    )
+    covariance: Literal["spherical", "full"] = _number(
+        "spherical",
+        "Covariance of the mixture components. Choice: as in the published PB-NBV code; full is an ablation.",
+    )
+    enclosing_tolerance: Positive = _number(
+        0.01, "Relative tolerance of the minimum-volume enclosing ellipsoid [-]. Choice: far below a voxel."
+    )
+
+    # -- utility -----------------------------------------------------------------------------------------------------
+    weight_base: Share = _number(
+        0.5, "Weight of an ellipsoid is weight_base^rank by depth [-]. Published PB-NBV code; 1 turns the weights off."
+    )
+    area_supersampling: Count = _number(
+        4,
+        "Sub-pixels per pixel side for clipped areas [-]. Choice: a 60 x 40 image is too coarse for small ellipsoids.",
+    )
+
+    # -- candidates --------------------------------------------------------------------------------------------------
+    n_candidates: Count = _number(32, "N_pos, candidate poses per iteration [-]. Table.")
+    stand_off: Positive = _number(0.20, "gamma; candidates stand at gamma plus the box's half diagonal [m]. Table.")
+    n_rings: Count = _number(4, "Rings of candidates on the hemisphere [-]. Choice: 32 poses about 30 deg apart.")
+    polar_min_deg: PolarAngle = _number(20.0, "Polar angle of the upper ring [deg]. Choice: straight down adds little.")
+    polar_max_deg: PolarAngle = _number(80.0, "Polar angle of the lower ring [deg]. Choice: clear of the table.")
+    first_elevation_deg: PolarAngle = _number(45.0, "Elevation of the first view [deg]. Choice: sees top and sides.")
+
+    # -- stop rules --------------------------------------------------------------------------------------------------
+    max_iterations: Count = _number(15, "N_max, NBV iterations; recovery acquisitions do not count [-]. Table.")
+    stagnation_change: Share = _number(
+        0.01, "tau_stag, change of the best utility over the largest absolute utility so far [-]. Table."
+    )
+    stagnation_iterations: Count = _number(5, "Consecutive iterations below tau_stag that end the run [-]. Table.")
+
+    # -- reflective regions ------------------------------------------------------------------------------------------
+    invalid_share: Share = _number(0.5, "eta at and above which a pixel is frequently invalid [-]. Eq. (7).")
+    cluster_radius_voxels: Positive = _number(
+        2.0, "DBSCAN eps [s_v]. Choice: neighbours survive a one-voxel gap, at any resolution of the map."
+    )
+    cluster_min_samples: Count = _number(5, "DBSCAN min_samples [pixels]. Choice: a blob of at least a pixel's cross.")
+
+    # -- recovery ----------------------------------------------------------------------------------------------------
+    lateral_offset: Positive = _number(0.10, "rho, lateral offset of the recovery poses [m]. Table.")
+    recovery_distance: Positive = _number(0.10, "d, stand-off of the recovery poses along n_r [m]. Table.")
+    n_recovery_poses: Count = _number(4, "Poses of the diamond [-]. Text, eq. (13).")
+    diamond_angle_deg: float = _number(0.0, "theta of the first pose of the diamond [deg]. Text, eq. (13).")
+    diamond_turn_deg: float = _number(
+        45.0, "Turn of the diamond when too few poses remain [deg]. Choice: halfway to the next pose of four."
+    )
+    min_recovery_poses: Count = _number(
+        2, "Fewer reachable poses than this turn the diamond once [-]. Choice: one pose gives no angular diversity."
+    )
+    min_z_margin: float = _number(
+        0.01, "Recovery poses keep the sensor's Min-Z plus this from the region [m]. Choice: depth noise and box error."
+    )
+    recovery_order: Literal["utility", "random"] = _number(
+        "utility", "Order of the recovery poses. Text, eq. (15); random is an ablation."
+    )
+    recovered_share: Share = _number(0.3, "tau_rec, Gamma above which a recovery ends [-]. Table.")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> "Parameters":
+        if not all(lo < hi for lo, hi in zip(self.workspace_min, self.workspace_max, strict=True)):
+            raise ValueError(f"workspace_min {self.workspace_min} is not below workspace_max {self.workspace_max}")
+        if not all(lo < hi for lo, hi in zip(self.prior_min, self.prior_max, strict=True)):
+            raise ValueError(f"prior_min {self.prior_min} is not below prior_max {self.prior_max}")
+        if not self.min_probability < self.miss_probability < 0.5 < self.hit_probability < self.max_probability:
+            raise ValueError("occupancy must obey min < miss < 0.5 < hit < max")
+        if not self.polar_min_deg <= self.polar_max_deg:
+            raise ValueError(f"polar_min_deg {self.polar_min_deg} is above polar_max_deg {self.polar_max_deg}")
+        return self
