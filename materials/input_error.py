@@ -2,4 +2,4 @@
 
 
 class InputError(ValueError):
-    """Bad input. The message is one line: the thing, the place, the mend. The command line prints it and exits with 2."""
+    """Bad input. One line: the thing, the place, the mend. The command line prints it and exits with 2."""
