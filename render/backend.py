@@ -41,12 +41,27 @@ class BackendError(InputError):
     """The renderer cannot run on this machine as it is set up; the message says what to do."""
 
 
-@functools.cache
 def mitsuba_variant() -> str:
     """Prepare Dr.Jit and return the Mitsuba variant that runs here: CUDA where there is a GPU, else LLVM.
 
     Raises BackendError when neither is usable, or when `FRANBV_VARIANT` asks for one that is not.
     """
+    outcome = _outcome()
+    if isinstance(outcome, BackendError):
+        raise outcome
+    return outcome
+
+
+@functools.cache
+def _outcome() -> str | BackendError:
+    """The variant, or why there is none. Dr.Jit starts once a process, so the first answer stays."""
+    try:
+        return _started_variant()
+    except BackendError as error:
+        return error
+
+
+def _started_variant() -> str:
     wanted = os.environ.get(VARIANT_VARIABLE)
     if wanted is not None and wanted not in VARIANTS:
         raise BackendError(f"{VARIANT_VARIABLE}={wanted}: not a variant of this tool; set {' or '.join(VARIANTS)}")

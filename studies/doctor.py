@@ -51,7 +51,9 @@ class DoctorCommand:
 
 def run(args: list[str]) -> int:
     """Print all checks; 0 when all is well, 1 when something must be mended."""
-    command = parse(DoctorCommand, args, "franbv doctor", "Check that this machine can render and reconstruct.")
+    command = parse(
+        DoctorCommand, args, "franbv doctor", "Check that this machine can render and reconstruct.", DoctorCommand()
+    )
     checks = diagnose()
     width = max(len(check.name) for check in checks)
     for check in checks:
@@ -65,9 +67,9 @@ def run(args: list[str]) -> int:
 
 
 def diagnose() -> list[Check]:
-    """All checks, the cheap ones first; a check that breaks is a check that failed, never a traceback."""
-    checks = (python, packages, llvm, variant, threads, rays, memory, disk)
-    return [_guarded(check) for check in checks]
+    """All checks. One that breaks is one that failed, never a traceback; without a renderer its speed is not asked."""
+    checks = [_guarded(check) for check in (python, packages, memory, disk, renderer)]
+    return checks if checks[-1].mend is not None else [*checks, _guarded(rays)]
 
 
 def python() -> Check:
@@ -88,24 +90,15 @@ def packages() -> Check:
     return Check("packages", f"{len(needed)} as required; {', '.join(pins)}")
 
 
-def llvm() -> Check:
-    """The library that Dr.Jit loads, or would load."""
-    library = backend.find_llvm()
-    if backend.mitsuba_variant() != "llvm_ad_mono":
-        return Check("llvm", "not used")
-    version = ".".join(map(str, backend.llvm_version()))
-    return Check("llvm", f"{version} from {library.name if library else 'the system'}")
-
-
-def variant() -> Check:
-    """The Mitsuba variant, after it was loaded and set."""
-    return Check("variant", str(backend.mitsuba().variant()))
-
-
-def threads() -> Check:
-    """Dr.Jit's threads beside the processors that this process may use."""
-    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return Check("threads", f"{backend.thread_count()} of Dr.Jit, {usable} processors")
+def renderer() -> Check:
+    """Mitsuba's variant once it is set, the LLVM behind it, and Dr.Jit's threads beside the processors we may use."""
+    name = backend.mitsuba().variant()
+    if name == "llvm_ad_mono":
+        library = backend.find_llvm()
+        version = ".".join(map(str, backend.llvm_version()))
+        name += f" on LLVM {version} ({library.name if library else 'of the system'})"
+    processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return Check("renderer", f"{name}, {backend.thread_count()} threads on {processors} processors")
 
 
 def rays() -> Check:
