@@ -1,7 +1,31 @@
-"""Materials as plain data at 850 nm; `render.bsdf` turns them into Mitsuba BSDFs."""
+"""Materials as plain data at 850 nm; `render.bsdf` turns them into Mitsuba BSDFs.
 
+Every one checks its own numbers when it is made, so that no invalid material exists anywhere.
+"""
+
+import math
 from dataclasses import dataclass
 from pathlib import Path
+
+from materials.input_error import InputError
+
+ALPHA_MIN = 0.001
+"""Smallest GGX roughness [-]. Choice: a tenth of a good mirror; in smaller lobes paths miss the projector."""
+ALPHA_MAX = 1.0
+"""Largest GGX roughness [-]: above it half of all facets are steeper than 45 deg and no height field is left."""
+ALPHA_RANGE = (ALPHA_MIN, ALPHA_MAX)
+INDEX_RANGE = (0.01, 20.0)
+"""n and k that a metal can have in the near infrared [-]; outside it a table has been misread."""
+COAT_INDEX_RANGE = (1.2, 2.5)
+"""Refractive indices of clear coats [-]: from fluoropolymers (1.3) to titania glazes (2.5)."""
+SHARE_RANGE = (0.0, 1.0)
+
+
+def _check(material: str, field: str, value: float, limits: tuple[float, float]) -> None:
+    """Raise InputError unless `value` is a finite number inside `limits`."""
+    low, high = limits
+    if not (math.isfinite(value) and low <= value <= high):
+        raise InputError(f"{material}: {field} is {value:g}; give a number from {low:g} to {high:g}")
 
 
 @dataclass(frozen=True)
@@ -23,6 +47,14 @@ class RoughConductor:
     oxide_reflectance: float = 0.0
     """Albedo of that share at 850 nm [0, 1]."""
 
+    def __post_init__(self) -> None:
+        _check(self.name, "n", self.n, INDEX_RANGE)
+        _check(self.name, "k", self.k, INDEX_RANGE)
+        _check(self.name, "alpha_u", self.alpha_u, ALPHA_RANGE)
+        _check(self.name, "alpha_v", self.alpha_v, ALPHA_RANGE)
+        _check(self.name, "oxide_share", self.oxide_share, SHARE_RANGE)
+        _check(self.name, "oxide_reflectance", self.oxide_reflectance, SHARE_RANGE)
+
 
 @dataclass(frozen=True)
 class RoughPlastic:
@@ -34,7 +66,13 @@ class RoughPlastic:
     alpha: float
     """GGX roughness of the coat [-]."""
     reflectance: float
-    """Albedo of the base at 850 nm [0, 1]."""
+    """Share of the light entering the coat that comes out again, diffusely, at 850 nm [0, 1]. Near normal incidence it
+    is the reflectance factor that an instrument sees, the coat's own mirror reflection left out."""
+
+    def __post_init__(self) -> None:
+        _check(self.name, "n", self.n, COAT_INDEX_RANGE)
+        _check(self.name, "alpha", self.alpha, ALPHA_RANGE)
+        _check(self.name, "reflectance", self.reflectance, SHARE_RANGE)
 
 
 @dataclass(frozen=True)
@@ -44,6 +82,9 @@ class Matte:
     name: str
     reflectance: float
     """Albedo at 850 nm [0, 1]."""
+
+    def __post_init__(self) -> None:
+        _check(self.name, "reflectance", self.reflectance, SHARE_RANGE)
 
 
 @dataclass(frozen=True)

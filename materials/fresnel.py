@@ -1,0 +1,54 @@
+"""Fresnel reflectance of bare metals and dielectrics in air, for unpolarised light.
+
+Source: M. Born, E. Wolf, Principles of Optics, 7th ed., sections 1.5 (dielectric) and 14.2 (metal). The real-valued
+form of the metal's reflectance is that of S. Lagarde, Memo on Fresnel equations (2013).
+"""
+
+import numpy as np
+from jaxtyping import Float
+from numpy.polynomial.legendre import leggauss
+
+_N_NODES = 256
+"""Nodes of the hemispherical mean; the slowest case, a dielectric near grazing, is then exact to 1e-6."""
+
+
+def normal_reflectance(n: float, k: float = 0.0) -> float:
+    """R0 = ((n - 1)^2 + k^2) / ((n + 1)^2 + k^2), the reflectance at normal incidence (Born and Wolf, eq. 14.2.23)."""
+    return ((n - 1.0) ** 2 + k**2) / ((n + 1.0) ** 2 + k**2)
+
+
+def conductor_reflectance(theta: Float[np.ndarray, "*s"], n: float, k: float) -> Float[np.ndarray, "*s"]:
+    """Mean of the s and p reflectance of a metal n + ik at incidence angle `theta` [rad], 0 to pi/2."""
+    reflectance_s, reflectance_p = conductor_reflectance_sp(theta, n, k)
+    return 0.5 * (reflectance_s + reflectance_p)
+
+
+def conductor_reflectance_sp(
+    theta: Float[np.ndarray, "*s"], n: float, k: float
+) -> tuple[Float[np.ndarray, "*s"], Float[np.ndarray, "*s"]]:
+    """Reflectance of a metal n + ik for light polarised across (s) and in (p) the plane of incidence."""
+    cos, sin2 = np.cos(theta), np.sin(theta) ** 2
+    real = n**2 - k**2 - sin2
+    a2_plus_b2 = np.sqrt(real**2 + 4.0 * n**2 * k**2)  # (a + ib)^2 = (n + ik)^2 - sin^2(theta)
+    a = np.sqrt(np.maximum(0.5 * (a2_plus_b2 + real), 0.0))
+    reflectance_s = (a2_plus_b2 + cos**2 - 2.0 * a * cos) / (a2_plus_b2 + cos**2 + 2.0 * a * cos)
+    first, second = cos**2 * a2_plus_b2 + sin2**2, 2.0 * a * cos * sin2
+    return reflectance_s, reflectance_s * (first - second) / (first + second)
+
+
+def dielectric_reflectance(theta: Float[np.ndarray, "*s"], n: float) -> Float[np.ndarray, "*s"]:
+    """Mean of the s and p reflectance of a clear dielectric of index n > 1, light arriving in air at `theta` [rad]."""
+    cos_i = np.cos(theta)
+    cos_t = np.sqrt(1.0 - (np.sin(theta) / n) ** 2)
+    amplitude_s = (cos_i - n * cos_t) / (cos_i + n * cos_t)
+    amplitude_p = (n * cos_i - cos_t) / (n * cos_i + cos_t)
+    return 0.5 * (amplitude_s**2 + amplitude_p**2)
+
+
+def hemispherical_reflectance(n: float, k: float = 0.0) -> float:
+    """Reflectance of a smooth surface under equal light from everywhere: 2 * integral of R(mu) mu dmu over mu = cos."""
+    nodes, weights = leggauss(_N_NODES)
+    mu = 0.5 * (nodes + 1.0)
+    theta = np.arccos(mu)
+    reflectance = conductor_reflectance(theta, n, k) if k > 0.0 else dielectric_reflectance(theta, n)
+    return float(np.sum(weights * reflectance * mu))

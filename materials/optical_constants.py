@@ -1,0 +1,77 @@
+"""Complex refractive index n + ik of metals at 850 nm: one table, each row with its source.
+
+Values are linear interpolations of the tables in the refractiveindex.info database (M. N. Polyanskiy, Sci. Data 11, 94
+(2024), public domain) at the wavelength of the D400 infrared projector. Entries named Werner are left out (they
+disagree with every other source), and so is zinc, whose only table is suspect.
+"""
+
+from dataclasses import dataclass
+
+from materials.input_error import InputError
+from materials.suggestion import suggest
+
+WAVELENGTH_NM = 850.0
+"""Nominal wavelength of the D400 infrared projector (Intel RealSense D400 series datasheet) [nm]."""
+BAND_NM = (840.0, 860.0)
+"""The datasheet's tolerance on it, +-10 nm. Across this band the normal reflectance of every row moves by less than
+0.004, so that one n, k serves; outside it they are not valid [nm]."""
+
+_JOHNSON_1972 = "P. B. Johnson, R. W. Christy, Phys. Rev. B 6, 4370 (1972)"
+_JOHNSON_1974 = "P. B. Johnson, R. W. Christy, Phys. Rev. B 9, 5056 (1974)"
+_KARLSSON = "B. Karlsson, C. G. Ribbing, J. Appl. Phys. 53, 6340 (1982)"
+_QUERRY = "M. R. Querry, Contractor Report CRDC-CR-85034 (1985)"
+_RAKIC = "A. D. Rakic, Appl. Opt. 34, 4755 (1995)"
+_WEAVER = "J. H. Weaver, C. G. Olson, D. W. Lynch, Phys. Rev. B 12, 1293 (1975)"
+
+
+@dataclass(frozen=True)
+class OpticalConstants:
+    """One metal at 850 nm."""
+
+    n: float
+    """Real part of the refractive index [-]."""
+    k: float
+    """Extinction coefficient [-]."""
+    citation: str
+    """Who measured it, and on what where that matters."""
+    page: str
+    """shelf/book/page in refractiveindex.info."""
+    measured_nm: tuple[float, float]
+    """Wavelengths that the source covers [nm]."""
+
+
+METALS: dict[str, OpticalConstants] = {
+    # Avesta 832 MV, 18.5 % Cr, 9.3 % Ni: the 304/316 family of fittings and sheet.
+    "stainless_austenitic": OpticalConstants(
+        3.249, 4.905, _KARLSSON, "other/stainless_steel/Karlsson-austenitic", (200.0, 2500.0)
+    ),
+    # Avesta 393 M, 13.5 % Cr: the 400 family of blades and screws.
+    "stainless_ferritic": OpticalConstants(
+        2.568, 4.019, _KARLSSON, "other/stainless_steel/Karlsson-ferritic", (200.0, 2500.0)
+    ),
+    # Stands for plain carbon steel as well: the database has no table of it.
+    "iron": OpticalConstants(2.948, 3.459, _JOHNSON_1974, "main/Fe/Johnson", (188.0, 1937.0)),
+    "chromium": OpticalConstants(3.241, 3.496, _JOHNSON_1974, "main/Cr/Johnson", (188.0, 1937.0)),
+    "nickel": OpticalConstants(2.317, 5.076, _JOHNSON_1974, "main/Ni/Johnson", (188.0, 1937.0)),
+    "aluminium": OpticalConstants(2.588, 8.169, _RAKIC, "main/Al/Rakic", (0.12399, 200000.0)),
+    "copper": OpticalConstants(0.276, 5.420, _JOHNSON_1972, "main/Cu/Johnson", (187.9, 1937.0)),
+    # 70 % Cu, 30 % Zn.
+    "brass": OpticalConstants(0.490, 5.269, _QUERRY, "other/Cu-Zn/Querry-Cu70Zn30", (210.0, 55555.6)),
+    "titanium": OpticalConstants(3.243, 3.990, _JOHNSON_1974, "main/Ti/Johnson", (188.0, 1937.0)),
+    "gold": OpticalConstants(0.164, 5.319, _JOHNSON_1972, "main/Au/Johnson", (187.9, 1937.0)),
+    "silver": OpticalConstants(0.040, 5.966, _JOHNSON_1972, "main/Ag/Johnson", (187.9, 1937.0)),
+    "tungsten": OpticalConstants(3.395, 2.861, _WEAVER, "main/W/Weaver", (44.29, 4110.0)),
+}
+
+
+def optical_constants(metal: str, wavelength_nm: float = WAVELENGTH_NM) -> OpticalConstants:
+    """Constants of a metal of the table; raises InputError for an unknown metal or a wavelength outside `BAND_NM`."""
+    if metal not in METALS:
+        raise InputError(f"{metal}: unknown metal; {suggest(metal, METALS)}")
+    low, high = BAND_NM
+    if not low <= wavelength_nm <= high:
+        raise InputError(
+            f"{metal}: its n, k hold from {low:g} to {high:g} nm, not at {wavelength_nm:g} nm; "
+            "give n, k for that wavelength in a material file"
+        )
+    return METALS[metal]

@@ -1,0 +1,171 @@
+"""Materials that a user brings: metals by n and k, plastics, matte surfaces, measured BSDF files. One YAML file:
+
+    materials:
+      my_steel:
+        kind: metal
+        n: 2.91
+        k: 4.42
+        valid_nm: [400, 1000]
+        source: ellipsometry of our sheet, 2024
+      my_cover: {kind: plastic, n: 1.5, alpha: 0.1, reflectance: 0.3, source: integrating sphere}
+      my_floor: {kind: matte, reflectance: 0.4, source: grey card}
+      my_chrome: {kind: measured, file: chrome.bsdf, source: rgl.epfl.ch}
+
+Reflectances hold at 850 nm. File names count from the folder of the YAML file.
+"""
+
+import re
+from pathlib import Path
+from typing import Annotated, Literal
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from materials.input_error import InputError
+from materials.material import Material, Matte, Measured, RoughConductor, RoughPlastic
+from materials.measured_file import check_measured_file
+from materials.non_metals import NON_METALS
+from materials.optical_constants import METALS, WAVELENGTH_NM
+
+
+class _Entry(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    source: str = Field(min_length=1)
+    """Where the numbers come from."""
+
+
+class UserMetal(_Entry):
+    """A metal; combine it with any finish."""
+
+    kind: Literal["metal"]
+    n: float
+    k: float
+    valid_nm: tuple[float, float]
+    """Wavelengths at which n, k hold [nm]; must contain 850."""
+    oxide_reflectance: float | None = None
+    """Albedo at 850 nm of its oxide, for the finish `oxidised` [0, 1]."""
+
+
+class UserPlastic(_Entry):
+    """A clear coat over a diffuse base."""
+
+    kind: Literal["plastic"]
+    n: float
+    alpha: float
+    reflectance: float
+
+
+class UserMatte(_Entry):
+    """A Lambertian surface."""
+
+    kind: Literal["matte"]
+    reflectance: float
+
+
+class UserMeasured(_Entry):
+    """A measured BSDF in the RGL format."""
+
+    kind: Literal["measured"]
+    file: Path
+
+
+UserEntry = Annotated[UserMetal | UserPlastic | UserMatte | UserMeasured, Field(discriminator="kind")]
+
+
+class UserMaterials(BaseModel):
+    """The materials of one file, by name."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    materials: dict[str, UserEntry] = {}
+
+    def constants(self, name: str) -> tuple[float, float]:
+        """n, k of a metal at 850 nm; raises InputError when they do not hold there."""
+        entry = self.materials[name]
+        assert isinstance(entry, UserMetal)
+        low, high = entry.valid_nm
+        if not low <= WAVELENGTH_NM <= high:
+            raise InputError(
+                f"{name}: its n, k hold from {low:g} to {high:g} nm, the projector emits {WAVELENGTH_NM:g} nm; "
+                "give constants measured there, and their valid_nm"
+            )
+        return entry.n, entry.k
+
+    def oxide_reflectance(self, name: str) -> float:
+        """Albedo of a metal's oxide; raises InputError when the file gives none."""
+        entry = self.materials[name]
+        if not isinstance(entry, UserMetal) or entry.oxide_reflectance is None:
+            raise InputError(f"{name}:oxidised: the file gives no oxide_reflectance for {name}; add it, from 0 to 1")
+        return entry.oxide_reflectance
+
+    def material(self, name: str) -> Material:
+        """A material that takes no finish."""
+        match self.materials[name]:
+            case UserPlastic(n=n, alpha=alpha, reflectance=reflectance):
+                return RoughPlastic(name, n, alpha, reflectance)
+            case UserMatte(reflectance=reflectance):
+                return Matte(name, reflectance)
+            case UserMeasured(file=file):
+                return Measured(name, file)
+        raise InputError(f"{name}: a metal needs a finish; write {name}:polished")
+
+
+def load_user_materials(path: Path) -> UserMaterials:
+    """Read and check a material file; raises InputError that names the file, the key and the mend."""
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the name") from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: is not YAML ({_one_line(error)}); see the example in the documentation") from error
+    try:
+        user = UserMaterials.model_validate(content)
+    except ValidationError as error:
+        raise InputError(f"{path}: {_first_fault(error)}") from error
+    checked = {name: _checked(path, name, entry) for name, entry in user.materials.items()}
+    return UserMaterials(materials=checked)
+
+
+def _checked(path: Path, name: str, entry: UserEntry) -> UserEntry:
+    """The entry with its file name resolved; raises InputError for bad names, numbers and files."""
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        raise InputError(f"{path}: {name}: bad material name; use lower-case letters, digits and _")
+    if name in METALS or name in NON_METALS:
+        raise InputError(f"{path}: {name}: a built-in material has this name; choose another")
+    if isinstance(entry, UserMeasured):
+        entry = entry.model_copy(update={"file": (path.parent / entry.file).resolve()})
+        check_measured_file(entry.file)
+        return entry
+    try:
+        _build(name, entry)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    return entry
+
+
+def _build(name: str, entry: UserMetal | UserPlastic | UserMatte) -> None:
+    """Make the material once, so that its own checks run; a metal with some valid roughness."""
+    if isinstance(entry, UserMetal):
+        RoughConductor(name, entry.n, entry.k, 0.1, 0.1, 0.0, entry.oxide_reflectance or 0.0)
+    else:
+        UserMaterials(materials={name: entry}).material(name)
+
+
+def _first_fault(error: ValidationError) -> str:
+    """`key: what is wrong; mend` for the first fault that pydantic found."""
+    fault = error.errors()[0]
+    # Inside a tagged union pydantic puts the tag into the place: materials.my_steel.metal.alfa.
+    place = [str(part) for part in fault["loc"] if str(part) not in ("metal", "plastic", "matte", "measured")]
+    key = ".".join(place) or "the file"
+    mends = {
+        "extra_forbidden": "unknown key; remove it or correct its name",
+        "missing": "missing; add it",
+        "union_tag_not_found": "has no kind; add kind: metal, plastic, matte or measured",
+        "union_tag_invalid": "unknown kind; use metal, plastic, matte or measured",
+    }
+    return f"{key}: {mends.get(fault['type'], fault['msg'].lower() + '; see the example in the documentation')}"
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())
