@@ -1,0 +1,43 @@
+"""When a reconstruction ends: N_max iterations, or stagnation of the utility (paper, section V)."""
+
+from collections.abc import Sequence
+from enum import StrEnum
+
+import numpy as np
+
+from franbv.parameters import Parameters
+
+
+class StopReason(StrEnum):
+    """The rule that ended a run."""
+
+    MAX_ITERATIONS = "max_iterations"
+    """N_max next-best views were taken."""
+    STAGNATION = "stagnation"
+    """The best utility has stopped changing."""
+    NO_REACHABLE_VIEW = "no_reachable_view"
+    """The arm reaches none of the candidates."""
+
+
+def stop_reason(best_utilities: Sequence[float], parameters: Parameters) -> StopReason | None:
+    """The rule that ends the run after these NBV iterations (first view and recoveries left out), or None.
+
+    best_utilities: utility of the chosen view of each iteration so far [px^2].
+    """
+    if stagnates(best_utilities, parameters.stagnation_change, parameters.stagnation_iterations):
+        return StopReason.STAGNATION
+    if len(best_utilities) >= parameters.max_iterations:
+        return StopReason.MAX_ITERATIONS
+    return None
+
+
+def stagnates(best_utilities: Sequence[float], change: float, iterations: int) -> bool:
+    """Whether each of the last `iterations` changes was below `change` of the largest absolute utility until then.
+
+    Measured against the largest so far, because U crosses zero and a ratio to the last value would not settle.
+    """
+    u = np.asarray(best_utilities, float)
+    if len(u) <= iterations:
+        return False
+    small = np.abs(np.diff(u)) < change * np.maximum.accumulate(np.abs(u))[1:]
+    return bool(small[-iterations:].all())

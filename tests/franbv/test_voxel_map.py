@@ -1,0 +1,151 @@
+"""The voxel map against a brute-force traversal and hand-made scans."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from franbv.frames import Intrinsics, look_at
+from franbv.parameters import Parameters
+from franbv.sensing import DepthBurst
+from franbv.voxel_map import VoxelMap, burst_depth, empty_map, scan_voxels
+
+TINY = Parameters(voxel_size=0.1, workspace_min=(-0.5, -0.4, -0.3), workspace_max=(0.5, 0.4, 0.3))
+GRAZE = 1e-9
+"""Ray segments shorter than this inside a voxel may be counted either way [ray parameter]."""
+
+
+def _brute_force(grid, depth, intrinsics, T_world_cam, carve_on_missing):
+    """Hits, misses and doubtful voxels by intersecting every ray with every voxel's six planes, one by one."""
+    hits, misses, doubtful = (np.zeros(grid.log_odds.shape, bool) for _ in range(3))
+    origin = T_world_cam.translation
+    for direction, z in zip(intrinsics.pixel_directions().reshape(-1, 3), depth.ravel(), strict=True):
+        if z == 0 and not carve_on_missing:
+            continue
+        ray = T_world_cam.rotation.apply(direction)
+        end = z if z > 0 else np.inf
+        crossed = []  # (entry, index) of every voxel that the ray passes before its end
+        # Two voxels around the grid as well: the one before a hit outside may be the last one inside.
+        for padded in np.ndindex(*(np.array(grid.log_odds.shape) + 4)):
+            index = np.array(padded) - 2
+            centre = (index + grid.first) * grid.voxel_size
+            with np.errstate(divide="ignore"):
+                t = (centre + np.array([[-0.5], [0.5]]) * grid.voxel_size - origin) / ray
+            enter, leave = max(t.min(axis=0).max(), 0.0), min(t.max(axis=0).min(), end)
+            if leave - enter > GRAZE:
+                crossed.append((enter, tuple(index)))
+            elif leave - enter > -GRAZE and _inside(index, grid):
+                doubtful[tuple(index)] = True
+        crossed.sort()
+        if z > 0 and crossed:
+            if _inside(crossed[-1][1], grid):
+                hits[crossed[-1][1]] = True
+            crossed = crossed[:-2]
+        for _, index in crossed:
+            if _inside(index, grid):
+                misses[index] = True
+    return hits, misses, doubtful
+
+
+def _inside(index, grid):
+    return np.all(np.array(index) >= 0) and np.all(np.array(index) < grid.log_odds.shape)
+
+
+@pytest.mark.parametrize("carve_on_missing", [False, True])
+@pytest.mark.parametrize("seed", range(4))
+def test_traversal_equals_brute_force(seed, carve_on_missing):
+    """Crossed and hit voxels equal those of a loop over every ray and voxel, for cameras outside and inside the grid.
+
+    Depths are random, so rays end inside, before and behind the grid; a fifth has no depth.
+    """
+    rng = np.random.default_rng(seed)
+    eye = rng.uniform(-1, 1, 3) * ([0.3, 0.3, 0.2] if seed % 2 else [1.2, 1.2, 1.2])
+    T = look_at(eye, rng.uniform(-0.1, 0.1, 3))
+    intrinsics = Intrinsics(4, 3, 3.0, 3.0, 1.5, 1.0)
+    depth = rng.uniform(0.05, 2.0, (3, 4)) * (rng.random((3, 4)) > 0.2)
+    grid = empty_map(TINY)
+    hits, misses = scan_voxels(grid, depth, intrinsics, T, carve_on_missing)
+    expected_hits, expected_misses, doubtful = _brute_force(grid, depth, intrinsics, T, carve_on_missing)
+    np.testing.assert_array_equal(hits, expected_hits)
+    np.testing.assert_array_equal(misses[~doubtful], expected_misses[~doubtful])
+    assert expected_misses.sum() > 20
+
+
+def test_a_ray_along_an_axis_crosses_a_column():
+    """Straight down through voxel centres (all slopes exactly 0): from z = 0.5 to the hit at 0, voxels 3 and 2 are
+    missed, voxel 1 lies before the hit and voxel 0 is hit."""
+    T = RigidTransform.from_components([0.1, -0.2, 0.5], Rotation.from_euler("x", 180, degrees=True))
+    hits, misses = scan_voxels(empty_map(TINY), np.array([[0.5]]), Intrinsics(1, 1, 1.0, 1.0, 0.0, 0.0), T)
+    np.testing.assert_array_equal(np.argwhere(hits), [[6, 2, 3]])
+    np.testing.assert_array_equal(np.argwhere(misses), [[6, 2, 5], [6, 2, 6]])
+
+
+def test_log_odds_follow_octomap():
+    """n hits add n ln(0.7 / 0.3) until ln(0.97 / 0.03); misses add ln(0.4 / 0.6) until ln(0.12 / 0.88)."""
+    T = RigidTransform.from_components([0.1, -0.2, 0.5], Rotation.from_euler("x", 180, degrees=True))
+    grid = empty_map(TINY)
+    for scan in range(1, 13):
+        grid = grid.updated(np.array([[0.5]]), Intrinsics(1, 1, 1.0, 1.0, 0.0, 0.0), T, TINY)
+        assert grid.log_odds[6, 2, 3] == pytest.approx(min(scan * np.log(0.7 / 0.3), np.log(0.97 / 0.03)))
+        assert grid.log_odds[6, 2, 5] == pytest.approx(max(scan * np.log(0.4 / 0.6), np.log(0.12 / 0.88)))
+    assert (grid.occupied.sum(), grid.free.sum()) == (1, 2)
+    assert grid.uncertain.sum() == grid.log_odds.size - 3
+
+
+def test_hits_win_and_count_once():
+    """Two rays of one scan, the nearer one ending in a voxel that the longer one crosses: one hit, no miss."""
+    T = RigidTransform.from_components([0.0, 0.0, 1.0], Rotation.from_euler("x", 180, degrees=True))
+    intrinsics = Intrinsics(3, 1, 1000.0, 1000.0, 1.0, 0.0)  # rays 1 mm apart at 1 m
+    grid = empty_map(TINY).updated(np.array([[1.0, 0.8, 0.8]]), intrinsics, T, TINY)
+    assert grid.log_odds[5, 4, 5] == pytest.approx(np.log(0.7 / 0.3))
+    assert grid.log_odds[5, 4, 3] == pytest.approx(np.log(0.7 / 0.3))
+
+
+def test_missing_depth_changes_nothing():
+    """Pixels without depth carve nothing: the map of an all-invalid scan is the map before."""
+    T = look_at(np.array([0.0, 0.0, 1.0]), np.zeros(3))
+    grid = empty_map(TINY).updated(np.zeros((3, 4)), Intrinsics(4, 3, 3.0, 3.0, 1.5, 1.0), T, TINY)
+    assert grid.uncertain.all()
+
+
+def test_frontier_touches_free_and_occupied():
+    """Hand-made: free slab x = 0, occupied voxel (1, 1, 1) in an unknown block.
+
+    The uncertain 26-neighbours of (1, 1, 1) at x = 1 touch x = 0: eight of them; those at x = 2 touch no free voxel.
+    """
+    log_odds = np.zeros((4, 3, 3))
+    log_odds[0] = -1.0
+    log_odds[1, 1, 1] = 1.0
+    grid = VoxelMap(np.zeros(3, int), 1.0, log_odds)
+    expected = np.zeros_like(log_odds, dtype=bool)
+    expected[1] = True
+    expected[1, 1, 1] = False
+    np.testing.assert_array_equal(grid.frontier(), expected)
+    assert not grid.frontier(np.zeros_like(expected)).any()
+
+
+def test_centres_and_lookup_are_inverse():
+    """The centre of each voxel, and any point within half a voxel of it, is found in that voxel; outside is False."""
+    grid = empty_map(TINY)
+    mask = np.random.default_rng(0).random(grid.log_odds.shape) > 0.5
+    centres = grid.centres(np.ones_like(mask))
+    np.testing.assert_array_equal(grid.lookup(mask, centres + 0.049).reshape(mask.shape), mask)
+    np.testing.assert_array_equal(grid.lookup(mask, centres - 0.049).reshape(mask.shape), mask)
+    assert not grid.lookup(np.ones_like(mask), np.array([[5.0, 0, 0], [0, 0, -9.0]])).any()
+    assert np.any(np.all(np.isclose(centres, 0.0), axis=1))  # a voxel is centred on the table top
+
+
+def test_burst_depth_is_the_median_of_valid_frames():
+    """Pixels: always valid; half invalid (eta = 0.5: invalid); a quarter invalid; never valid; odd count of valid."""
+    depths = np.array(
+        [
+            [[1.0, 1.0, 1.0, 0.0, 9.0]],
+            [[2.0, 0.0, 0.0, 0.0, 3.0]],
+            [[3.0, 0.0, 5.0, 0.0, 4.0]],
+            [[9.0, 3.0, 3.0, 0.0, 0.0]],
+        ],
+        np.float32,
+    )
+    T = RigidTransform.identity()
+    np.testing.assert_allclose(
+        burst_depth(DepthBurst(depths, Intrinsics(5, 1, 1.0, 1.0, 0.0, 0.0), T)), [[2.5, 0, 3, 0, 4]]
+    )
