@@ -15,39 +15,31 @@ GRAZE = 1e-9
 
 
 def _brute_force(grid, depth, intrinsics, T_world_cam, carve_on_missing):
-    """Hits, misses and doubtful voxels by intersecting every ray with every voxel's six planes, one by one."""
+    """Hits, misses and doubtful voxels by intersecting every ray with the six planes of every voxel."""
     hits, misses, doubtful = (np.zeros(grid.log_odds.shape, bool) for _ in range(3))
-    origin = T_world_cam.translation
+    # Two voxels around the grid as well: the one before a hit outside may be the last one inside.
+    indices = np.stack(np.meshgrid(*(np.arange(-2, n + 2) for n in hits.shape), indexing="ij"), axis=-1).reshape(-1, 3)
+    corners = (indices + grid.first + np.array([[[-0.5]], [[0.5]]])) * grid.voxel_size  # (2, n, 3)
     for direction, z in zip(intrinsics.pixel_directions().reshape(-1, 3), depth.ravel(), strict=True):
         if z == 0 and not carve_on_missing:
             continue
-        ray = T_world_cam.rotation.apply(direction)
-        end = z if z > 0 else np.inf
-        crossed = []  # (entry, index) of every voxel that the ray passes before its end
-        # Two voxels around the grid as well: the one before a hit outside may be the last one inside.
-        for padded in np.ndindex(*(np.array(grid.log_odds.shape) + 4)):
-            index = np.array(padded) - 2
-            centre = (index + grid.first) * grid.voxel_size
-            with np.errstate(divide="ignore"):
-                t = (centre + np.array([[-0.5], [0.5]]) * grid.voxel_size - origin) / ray
-            enter, leave = max(t.min(axis=0).max(), 0.0), min(t.max(axis=0).min(), end)
-            if leave - enter > GRAZE:
-                crossed.append((enter, tuple(index)))
-            elif leave - enter > -GRAZE and _inside(index, grid):
-                doubtful[tuple(index)] = True
-        crossed.sort()
-        if z > 0 and crossed:
-            if _inside(crossed[-1][1], grid):
-                hits[crossed[-1][1]] = True
+        t = (corners - T_world_cam.translation) / T_world_cam.rotation.apply(direction)
+        enter = np.maximum(t.min(axis=0).max(axis=1), 0.0)
+        length = np.minimum(t.max(axis=0).min(axis=1), z if z > 0 else np.inf) - enter
+        crossed = np.flatnonzero(length > GRAZE)
+        crossed = indices[crossed[np.argsort(enter[crossed])]]
+        if z > 0:
+            _mark(hits, crossed[-1:])
             crossed = crossed[:-2]
-        for _, index in crossed:
-            if _inside(index, grid):
-                misses[index] = True
+        _mark(misses, crossed)
+        _mark(doubtful, indices[np.abs(length) <= GRAZE])
     return hits, misses, doubtful
 
 
-def _inside(index, grid):
-    return np.all(np.array(index) >= 0) and np.all(np.array(index) < grid.log_odds.shape)
+def _mark(mask, indices):
+    for index in indices:
+        if np.all(index >= 0) and np.all(index < mask.shape):
+            mask[tuple(index)] = True
 
 
 @pytest.mark.parametrize("carve_on_missing", [False, True])
