@@ -114,8 +114,8 @@ class Parameters(BaseModel):
     # -- recovery ----------------------------------------------------------------------------------------------------
     lateral_offset: Positive = _number(0.10, "rho, lateral offset of the recovery poses [m]. Table.")
     recovery_distance: Positive = _number(0.10, "d, stand-off of the recovery poses along n_r [m]. Table.")
-    n_recovery_poses: Count = _number(4, "Poses of the diamond [-]. Text, eq. (13).")
-    diamond_angle_deg: float = _number(0.0, "theta of the first pose of the diamond [deg]. Text, eq. (13).")
+    n_recovery_poses: Count = _number(4, "Poses of the diamond [-]. Text, eq. (12).")
+    diamond_angle_deg: float = _number(0.0, "theta of the first pose of the diamond [deg]. Text, eq. (12).")
     diamond_turn_deg: float = _number(
         45.0, "Turn of the diamond when too few poses remain [deg]. Choice: halfway to the next pose of four."
     )
@@ -126,7 +126,7 @@ class Parameters(BaseModel):
         0.01, "Recovery poses keep the sensor's Min-Z plus this from the region [m]. Choice: depth noise and box error."
     )
     recovery_order: Literal["utility", "random"] = _number(
-        "utility", "Order of the recovery poses. Text, eq. (15); random is an ablation."
+        "utility", "Order of the recovery poses. Text, eq. (14); random is an ablation."
     )
     recovered_share: Share = _number(0.3, "tau_rec, Gamma above which a recovery ends [-]. Table.")
 
