@@ -16,8 +16,8 @@ ALPHA_MAX = 1.0
 ALPHA_RANGE = (ALPHA_MIN, ALPHA_MAX)
 INDEX_RANGE = (0.01, 20.0)
 """n and k that a metal can have in the near infrared [-]; outside it a table has been misread."""
-COAT_INDEX_RANGE = (1.2, 2.5)
-"""Refractive indices of clear coats [-]: from fluoropolymers (1.3) to titania glazes (2.5)."""
+COAT_INDEX_RANGE = (1.3, 1.8)
+"""Refractive indices of clear coats [-]: polymers have 1.34 (fluorinated) to 1.65 (polysulfone), and some room."""
 SHARE_RANGE = (0.0, 1.0)
 
 
@@ -66,8 +66,7 @@ class RoughPlastic:
     alpha: float
     """GGX roughness of the coat [-]."""
     reflectance: float
-    """Share of the light entering the coat that comes out again, diffusely, at 850 nm [0, 1]. Near normal incidence it
-    is the reflectance factor that an instrument sees, the coat's own mirror reflection left out."""
+    """Albedo of the base at 850 nm [0, 1], under the coat; `materials.coat` relates it to what is seen from outside."""
 
     def __post_init__(self) -> None:
         _check(self.name, "n", self.n, COAT_INDEX_RANGE)

@@ -6,6 +6,7 @@ are clear at 850 nm, while carbon black absorbs as it does in the visible.
 
 from dataclasses import dataclass
 
+from materials.coat import base_albedo
 from materials.material import Matte, RoughPlastic
 
 _USGS = "USGS Spectral Library 7 (R. F. Kokaly et al., Data Series 1035, 2017), sample"
@@ -31,8 +32,10 @@ def _matte(name: str, reflectance: float, source: str) -> NonMetal:
     return NonMetal(Matte(name, reflectance), source)
 
 
-def _plastic(name: str, reflectance: float, source: str) -> NonMetal:
-    return NonMetal(RoughPlastic(name, COAT_INDEX, COAT_ALPHA, reflectance), f"{source}; {_COAT}")
+def _plastic(name: str, seen: float, source: str) -> NonMetal:
+    """`seen` is the reflectance from outside, without the mirror reflection of the coat, which the model adds."""
+    material = RoughPlastic(name, COAT_INDEX, COAT_ALPHA, base_albedo(COAT_INDEX, seen))
+    return NonMetal(material, f"{source}; {_COAT}")
 
 
 _ROWS = (
@@ -47,8 +50,8 @@ _ROWS = (
     _matte("wood_table", 0.63, f"{_USGS} GDS363, new pine: 0.634"),
     _matte("concrete", 0.31, f"{_USGS} GDS375, light grey concrete: 0.313"),
     _plastic("white_plastic", 0.70, f"{_USGS} GDS338, white PVC: 0.705"),
-    # The sample's 0.064 contains the mirror reflection of its surface, about 0.045, which the coat brings in by itself.
-    _plastic("black_plastic", 0.02, f"carbon black; {_USGS} GDS382, black PET: 0.064 with its surface reflection"),
+    # The mirror reflection of a surface of index 1.57 is 0.05.
+    _plastic("black_plastic", 0.015, f"carbon black; {_USGS} GDS382, black PET: 0.064 with its mirror reflection"),
     _plastic(
         "dyed_black_plastic", 0.30, "choice: black by dyes that are clear beyond 720 nm, filler scatters; 0.1 to 0.5"
     ),

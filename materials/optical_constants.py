@@ -59,7 +59,7 @@ METALS: dict[str, OpticalConstants] = {
     "brass": OpticalConstants(0.490, 5.269, _QUERRY, "other/Cu-Zn/Querry-Cu70Zn30", (210.0, 55555.6)),
     "titanium": OpticalConstants(3.243, 3.990, _JOHNSON_1974, "main/Ti/Johnson", (188.0, 1937.0)),
     "gold": OpticalConstants(0.164, 5.319, _JOHNSON_1972, "main/Au/Johnson", (187.9, 1937.0)),
-    "silver": OpticalConstants(0.040, 5.966, _JOHNSON_1972, "main/Ag/Johnson", (187.9, 1937.0)),
+    "silver": OpticalConstants(0.040, 5.965, _JOHNSON_1972, "main/Ag/Johnson", (187.9, 1937.0)),
     "tungsten": OpticalConstants(3.395, 2.861, _WEAVER, "main/W/Weaver", (44.29, 4110.0)),
 }
 

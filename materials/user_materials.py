@@ -15,12 +15,14 @@ Reflectances hold at 850 nm. File names count from the folder of the YAML file.
 """
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from materials.coat import base_albedo
 from materials.input_error import InputError
 from materials.material import Material, Matte, Measured, RoughConductor, RoughPlastic
 from materials.measured_file import check_measured_file
@@ -54,6 +56,7 @@ class UserPlastic(_Entry):
     n: float
     alpha: float
     reflectance: float
+    """As seen from outside near the normal, without the coat's mirror reflection [0, 1]."""
 
 
 class UserMatte(_Entry):
@@ -103,7 +106,8 @@ class UserMaterials(BaseModel):
         """A material that takes no finish."""
         match self.materials[name]:
             case UserPlastic(n=n, alpha=alpha, reflectance=reflectance):
-                return RoughPlastic(name, n, alpha, reflectance)
+                bare = RoughPlastic(name, n, alpha, 0.0)  # checks n, on which the base depends
+                return replace(bare, reflectance=base_albedo(n, reflectance))
             case UserMatte(reflectance=reflectance):
                 return Matte(name, reflectance)
             case UserMeasured(file=file):
