@@ -1,0 +1,26 @@
+"""What all tests share: the shapes and types of the annotations are executed, except where times are taken."""
+
+from pathlib import Path
+
+import jaxtyping
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGES = ("franbv", "render", "scenes", "materials", "studies")
+CHECKER = "beartype.beartype(conf=beartype.BeartypeConf(is_pep484_tower=True))"
+"""Where a float is wanted an int will do, as for every type checker (PEP 484)."""
+UNCHECKED = ("studies.command_line",)
+"""Tyro fills fields with its own mark for what is missing."""
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Check every call against its annotations, as long as no benchmark is asked for."""
+    if config.getoption("markexpr") != "benchmark":
+        jaxtyping.install_import_hook(checkable_modules(), CHECKER)
+
+
+def checkable_modules() -> list[str]:
+    """All modules of ours but UNCHECKED. What numba compiles carries `@no_type_check`: it cannot compile a wrapper."""
+    sources = (path for package in PACKAGES for path in (ROOT / package).rglob("*.py") if path.stem != "__init__")
+    names = (".".join(path.relative_to(ROOT).with_suffix("").parts) for path in sources)
+    return [name for name in names if name not in UNCHECKED]
