@@ -82,7 +82,7 @@ class Stopwatch:
 
 
 def reset_peak_memory() -> bool:
-    """Let the kernel forget the largest memory so far; False where it cannot, and the peak of the whole session stays."""
+    """Let the kernel forget the largest memory so far; where it cannot (False), the peak of the session stays."""
     try:
         Path("/proc/self/clear_refs").write_text("5")
     except OSError:
