@@ -1,0 +1,54 @@
+"""Materials as Mitsuba BSDF descriptions. Numbers are passed, never Mitsuba's presets: in one-channel variants those
+collapse to visible luminance."""
+
+from typing import Any
+
+from materials.material import Material, Matte, Measured, RoughConductor, RoughPlastic
+
+
+def bsdf_description(material: Material) -> dict[str, Any]:
+    """Mitsuba dictionary of the material, seen alike from both sides (user meshes may be open or turned)."""
+    return {"type": "twosided", "bsdf": _one_sided(material)}
+
+
+def is_diffuse(material: Material) -> bool:
+    """Whether the surface is Lambertian, so that its indirect light is smooth across the surface."""
+    return isinstance(material, Matte)
+
+
+def _one_sided(material: Material) -> dict[str, Any]:
+    match material:
+        case Matte(reflectance=reflectance):
+            return {"type": "diffuse", "reflectance": _constant(reflectance)}
+        case RoughPlastic(n=n, alpha=alpha, reflectance=reflectance):
+            return {
+                "type": "roughplastic",
+                "distribution": "ggx",
+                "int_ior": n,
+                "alpha": alpha,
+                "diffuse_reflectance": _constant(reflectance),
+                "nonlinear": True,
+            }
+        case RoughConductor():
+            return _conductor(material)
+        case Measured(path=path):
+            return {"type": "measured", "filename": str(path)}
+
+
+def _conductor(metal: RoughConductor) -> dict[str, Any]:
+    bare = {
+        "type": "roughconductor",
+        "distribution": "ggx",
+        "eta": _constant(metal.n),
+        "k": _constant(metal.k),
+        "alpha_u": metal.alpha_u,
+        "alpha_v": metal.alpha_v,
+    }
+    if metal.oxide_share == 0:
+        return bare
+    oxide = {"type": "diffuse", "reflectance": _constant(metal.oxide_reflectance)}
+    return {"type": "blendbsdf", "weight": metal.oxide_share, "bare": bare, "oxide": oxide}
+
+
+def _constant(value: float) -> dict[str, Any]:
+    return {"type": "spectrum", "value": float(value)}

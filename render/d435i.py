@@ -1,0 +1,178 @@
+"""A simulated RealSense D435i: radiance, imagers, stereo matcher, z16, decimation, crop. Implements `DepthCamera`."""
+
+import hashlib
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float32, UInt8, UInt16
+from pydantic import BaseModel, ConfigDict, Field
+from scipy.spatial.transform import RigidTransform
+
+from franbv.frames import Intrinsics
+from franbv.sensing import DepthBurst
+from render.decimation import block_centre_intrinsics, crop_centre, decimate
+from render.depth_image import DepthFormat, metres_from_z16, z16_from_disparity
+from render.dot_pattern import HALF_FIELD, d435_pattern
+from render.exposure import auto_exposure
+from render.imager import expose_burst
+from render.imager_settings import REFERENCE_LASER_POWER_MW, ImagerSettings
+from render.light_paths import ProjectorLight
+from render.matcher import StereoMatcher, Window
+from render.matchers import matcher_by_name
+from render.mitsuba_scene import load_scene
+from render.radiance import RadianceLayers, Sampling, render_layers
+from render.rig import Rig, d435i_rig
+from render.truth import Truth, measure_truth
+from scenes.scene import Scene
+
+FIELD_AREA = 4 * HALF_FIELD[0] * HALF_FIELD[1]
+"""Area of the projector's field in the plane at 1 m [m^2]."""
+
+
+class SensorSettings(BaseModel):
+    """Everything about the camera that a user can set."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    profile: str = "640x360"
+    """Stream profile; 640x360 alone gives 60 x 40 and still measures at a recovery pose's 141 mm (DESIGN 4.1)."""
+    decimation: int = Field(default=8, ge=1, le=8)
+    """Factor of librealsense's decimation filter, 1 = off (paper: maximum)."""
+    crop: tuple[int, int] | None = (60, 40)
+    """Width and height of the middle part that is kept after decimation; None = all (paper: 60 x 40)."""
+    matcher: Literal["d4", "sgbm"] = "sgbm"
+    """Stereo matcher."""
+    imager: ImagerSettings = ImagerSettings()
+    """Exposure, noise and optics of both imagers."""
+    auto_exposure: bool = True
+    """Choose exposure and gain per pose, as the D400 does by default; otherwise `imager.exposure_us` and `imager.gain`."""
+    depth: DepthFormat = DepthFormat()
+    """Coding of z16."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """All that one pose gives, before and after decimation."""
+
+    T_world_cam: RigidTransform
+    """Pose of the left imager."""
+    left_layers: RadianceLayers
+    right_layers: RadianceLayers
+    imager: ImagerSettings
+    """With the exposure and gain that were used."""
+    lefts: UInt8[np.ndarray, "n h w"]
+    """Left infrared images [DN]."""
+    rights: UInt8[np.ndarray, "n h w"]
+    """Right infrared images [DN]."""
+    z16: UInt16[np.ndarray, "n h w"]
+    """Depth at full resolution, in `DepthFormat.unit`, 0 = invalid."""
+    depths: Float32[np.ndarray, "n h w"]
+    """The same in metres."""
+    burst: DepthBurst
+    """What the planner gets: decimated and cropped."""
+
+
+class SimulatedD435i:
+    """The camera in front of one scene.
+
+    Noise and speckle depend on the seed and the pose alone, so a pose gives the same frames whatever was measured before,
+    and the first frames of a longer burst are those of a shorter one.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        settings: SensorSettings | None = None,
+        seed: int = 0,
+        sampling: Sampling | None = None,
+        matcher: StereoMatcher | None = None,
+    ) -> None:
+        """Load the scene. sampling: see `Sampling`; matcher: any `StereoMatcher` instead of the one that is named."""
+        self.settings = settings or SensorSettings()
+        self.rig: Rig = d435i_rig(self.settings.profile)
+        self.world = load_scene(scene)
+        self._seed = seed
+        self._sampling = sampling or Sampling()
+        self._matcher = matcher or matcher_by_name(self.settings.matcher)
+        self._light = ProjectorLight.at(RigidTransform.identity(), d435_pattern(), 0.0)
+
+    @cached_property
+    def intrinsics(self) -> Intrinsics:
+        """Of the decimated and cropped depth, along the middle of each block."""
+        full = self.rig.intrinsics
+        if self.settings.decimation > 1:
+            full = block_centre_intrinsics(full, self.settings.decimation)
+        if self.settings.crop is None:
+            return full
+        return crop_centre(np.zeros((1, full.height, full.width), np.uint16), full, self.settings.crop)[1]
+
+    @property
+    def min_z(self) -> float:
+        """Smallest measurable Z-depth [m]."""
+        return self.rig.min_z
+
+    def capture(self, T_world_cam: RigidTransform, n_frames: int) -> DepthBurst:
+        """Depth frames as the planner gets them."""
+        return self.measure(T_world_cam, n_frames).burst
+
+    def render(self, T_world_cam: RigidTransform) -> tuple[RadianceLayers, RadianceLayers]:
+        """Radiance at the left and the right imager for the reference laser power."""
+        mean = REFERENCE_LASER_POWER_MW * 1e-3 / (np.pi * FIELD_AREA)
+        light = self._light.moved(self.rig.projector(T_world_cam), mean)
+        poses = (T_world_cam, self.rig.right_imager(T_world_cam))
+        left, right = (render_layers(self.world, light, self.rig.intrinsics, pose, self._sampling) for pose in poses)
+        return left, right
+
+    def measure(self, T_world_cam: RigidTransform, n_frames: int) -> Measurement:
+        """Render the pose once, then expose, match and decimate `n_frames` noisy pairs."""
+        return self.expose(T_world_cam, *self.render(T_world_cam), n_frames)
+
+    def expose(
+        self, T_world_cam: RigidTransform, left: RadianceLayers, right: RadianceLayers, n_frames: int
+    ) -> Measurement:
+        """Measure from rendered layers; laser power, lamps, exposure and noise change without a new rendering."""
+        imager = self.settings.imager
+        if self.settings.auto_exposure:
+            exposure_us, gain = auto_exposure(left.projector, left.ambient, imager)
+            imager = imager.model_copy(update={"exposure_us": exposure_us, "gain": gain})
+        seeds = self._pose_seed(T_world_cam).spawn(2)
+        lefts, rights = (
+            expose_burst(layers.projector, layers.ambient, imager, n_frames, seed)
+            for layers, seed in zip((left, right), seeds, strict=True)
+        )
+        disparities = self._matcher.match_burst(lefts, rights, self.window)
+        z16 = z16_from_disparity(disparities, self.rig.focal_baseline, self.settings.depth)
+        burst = DepthBurst(metres_from_z16(self._reduced(z16), self.settings.depth), self.intrinsics, T_world_cam)
+        depths = metres_from_z16(z16, self.settings.depth)
+        return Measurement(T_world_cam, left, right, imager, lefts, rights, z16, depths, burst)
+
+    def truth(self, T_world_cam: RigidTransform) -> Truth:
+        """Exact maps at full resolution."""
+        return measure_truth(self.world, self.rig, T_world_cam)
+
+    @property
+    def window(self) -> Window | None:
+        """Full-resolution pixels that end up in the cropped depth; None = all."""
+        if self.settings.crop is None:
+            return None
+        f, k = self.settings.decimation, self.rig.intrinsics
+        width, height = self.settings.crop
+        left, top = (k.width // f - width) // 2, (k.height // f - height) // 2
+        return Window(left * f, top * f, width * f, height * f)
+
+    def _reduced(self, z16: UInt16[np.ndarray, "n h w"]) -> UInt16[np.ndarray, "n h_d w_d"]:
+        """Decimated and cropped."""
+        if self.settings.decimation > 1:
+            z16 = decimate(z16, self.settings.decimation)
+        if self.settings.crop is None:
+            return z16
+        _, h, w = z16.shape
+        return crop_centre(z16, Intrinsics(w, h, 1.0, 1.0, 0.0, 0.0), self.settings.crop)[0]
+
+    def _pose_seed(self, T_world_cam: RigidTransform) -> np.random.SeedSequence:
+        """A seed of the camera's seed and the pose, to a nanometre, so that rounding does not change it."""
+        digits = np.round(T_world_cam.as_matrix() * 1e9).astype(np.int64).tobytes()
+        digest = hashlib.blake2b(digits, digest_size=16).digest()
+        return np.random.SeedSequence([self._seed, *np.frombuffer(digest, np.uint32).tolist()])

@@ -1,0 +1,108 @@
+"""A scene of plain data as a loaded Mitsuba scene. The projector is no emitter of it: `render.radiance` adds its light."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from materials.material import Matte
+from render import backend
+from render.bsdf import bsdf_description, is_diffuse
+from scenes.scene import Body, Lamp, Mesh, Scene
+
+NO_BODY = 255
+"""Index in id maps where a ray meets nothing or a lamp."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoadedScene:
+    """A Mitsuba scene and what its shapes mean."""
+
+    scene: Any
+    """`mitsuba.Scene`."""
+    body_of_shape: Any
+    """Dr.Jit lookup (UInt32): Mitsuba's registry id of a shape -> index into `source.bodies`, or NO_BODY."""
+    glossy_of_body: Any
+    """Dr.Jit lookup (UInt32), NO_BODY + 1 entries: 1 where a body is not Lambertian. Nothing and lamps scatter nothing: 0."""
+    albedo_of_body: Any
+    """Dr.Jit lookup (Float), NO_BODY + 1 entries: reflectance of the Lambertian bodies, 0 for all else."""
+    source: Scene
+
+    def body(self, si: Any) -> Any:
+        """Index of the body that each interaction lies on (UInt32), NO_BODY for none."""
+        mi = backend.mitsuba()
+        import drjit as dr
+
+        hit = si.is_valid()
+        shape = dr.reinterpret_array(mi.UInt32, si.shape)
+        return dr.select(hit, dr.gather(mi.UInt32, self.body_of_shape, shape, hit), NO_BODY)
+
+    def is_glossy(self, body: Any) -> Any:
+        """Whether the bodies of these indices reflect other than diffusely (Bool)."""
+        mi = backend.mitsuba()
+        import drjit as dr
+
+        return dr.gather(mi.UInt32, self.glossy_of_body, body) == 1
+
+
+def load_scene(scene: Scene) -> LoadedScene:
+    """Build the Mitsuba scene (about 50 ms). Lamps are one-sided area emitters; ambient light is a constant environment."""
+    mi = backend.mitsuba()
+    import drjit as dr
+
+    description: dict[str, Any] = {"type": "scene"}
+    shapes = [_mitsuba_mesh(body) for body in scene.bodies]
+    description |= {f"body_{i}": shape for i, shape in enumerate(shapes)}
+    description |= {f"lamp_{i}": _lamp_description(lamp) for i, lamp in enumerate(scene.lamps)}
+    if scene.ambient_radiance > 0:
+        description["ambient"] = {
+            "type": "constant",
+            "radiance": {"type": "spectrum", "value": float(scene.ambient_radiance)},
+        }
+    loaded = mi.load_dict(description)
+    ids = [int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0]) for shape in shapes]
+    every = [int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0]) for shape in loaded.shapes()]
+    lookup = np.full(max(every, default=0) + 1, NO_BODY, np.uint32)
+    lookup[ids] = np.arange(len(ids))
+    glossy = np.zeros(NO_BODY + 1, np.uint32)
+    glossy[: len(scene.bodies)] = [not is_diffuse(body.material) for body in scene.bodies]
+    albedo = np.zeros(NO_BODY + 1, np.float32)
+    albedo[: len(scene.bodies)] = [b.material.reflectance if isinstance(b.material, Matte) else 0 for b in scene.bodies]
+    return LoadedScene(loaded, mi.UInt32(lookup), mi.UInt32(glossy), mi.Float(albedo), scene)
+
+
+def _mitsuba_mesh(body: Body) -> Any:
+    """The body as a `mitsuba.Mesh` with its BSDF."""
+    mi = backend.mitsuba()
+    mesh: Mesh = body.mesh
+    properties = mi.Properties()
+    properties["mesh_bsdf"] = mi.load_dict(bsdf_description(body.material))
+    shape = mi.Mesh(
+        body.name,
+        vertex_count=len(mesh.vertices),
+        face_count=len(mesh.faces),
+        has_vertex_normals=mesh.normals is not None,
+        has_vertex_texcoords=mesh.uvs is not None,
+        props=properties,
+    )
+    parameters = mi.traverse(shape)
+    parameters["vertex_positions"] = np.ascontiguousarray(mesh.vertices, np.float32).ravel()
+    parameters["faces"] = np.ascontiguousarray(mesh.faces, np.uint32).ravel()
+    if mesh.normals is not None:
+        parameters["vertex_normals"] = np.ascontiguousarray(mesh.normals, np.float32).ravel()
+    if mesh.uvs is not None:
+        parameters["vertex_texcoords"] = np.ascontiguousarray(mesh.uvs, np.float32).ravel()
+    parameters.update()
+    return shape
+
+
+def _lamp_description(lamp: Lamp) -> dict[str, Any]:
+    """A Mitsuba rectangle spans (-1, 1)^2 and shines along its +z."""
+    mi = backend.mitsuba()
+    matrix = lamp.T_world_lamp.as_matrix() @ np.diag([lamp.width / 2, lamp.height / 2, 1.0, 1.0])
+    return {
+        "type": "rectangle",
+        "to_world": mi.ScalarTransform4f(matrix.tolist()),
+        "emitter": {"type": "area", "radiance": {"type": "spectrum", "value": float(lamp.radiance)}},
+        "bsdf": {"type": "diffuse", "reflectance": {"type": "spectrum", "value": 0.0}},
+    }

@@ -1,0 +1,192 @@
+"""Radiance of the projector's and of the ambient light at every pixel of an imager, as two separate layers.
+
+Pixels that see Lambertian surfaces only need few samples: their direct light is computed with a handful of sub-pixel and lamp
+points, and their indirect light, which is smooth over a surface, on every n-th pixel, interpolated within the surface (the
+idea of irradiance caching: Ward, Rubinstein and Clear 1988). Pixels that see anything glossy get whole light paths.
+No denoiser: it would invent or erase dots.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool, Float32, Int
+from scipy.spatial.transform import RigidTransform
+
+from franbv.frames import Intrinsics
+from render import backend
+from render.light_paths import Imager, ProjectorLight, SampleSet, trace_paths
+from render.mitsuba_scene import LoadedScene
+from render.surface import SurfaceMap, surface_map
+
+PATHS_PER_LAUNCH = 4_000_000
+"""Light paths in one kernel launch, which bounds memory (about 200 B a path)."""
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How many samples are spent where. The defaults are checked against 1024 samples a pixel in `tests/physics`."""
+
+    subpixels: int = 4
+    """Positions in a pixel that sees Lambertian surfaces only."""
+    lamp_points: int = 4
+    """Lamp points per such position; `subpixels * lamp_points` different ones in all."""
+    glossy_paths: int = 32
+    """Paths of a pixel that sees a glossy surface."""
+    indirect_directions: int = 32
+    """Directions gathered per interpolation point of the indirect light on Lambertian surfaces."""
+    indirect_stride_px: int = 4
+    """Distance of these interpolation points."""
+    max_depth: int = 3
+    """Surface vertices of a path: 1 = direct light only, 3 = two bounces more."""
+    filtered: bool = True
+    """Look dots behind a glossy vertex up with the footprint of a sample."""
+    whole_paths_everywhere: bool = False
+    """Treat every pixel as glossy: the reference."""
+    rotated: bool = False
+    """Shift every pixel's samples at random instead of sharing them: the reference."""
+
+    def reference(self, paths: int) -> "Sampling":
+        """Plain path tracing with independent pixels and sharp dots, to check the defaults against."""
+        return replace(self, glossy_paths=paths, filtered=False, whole_paths_everywhere=True, rotated=True)
+
+
+@dataclass(frozen=True, eq=False)
+class RadianceLayers:
+    """One imager's radiance image, apart by source, so that laser power and lamps scale without a new rendering."""
+
+    projector: Float32[np.ndarray, "h w"]
+    """At the laser power that the projector light was made with [W m^-2 sr^-1]."""
+    ambient: Float32[np.ndarray, "h w"]
+    """From lamps and environment [W m^-2 sr^-1]."""
+
+
+def render_layers(
+    world: LoadedScene,
+    light: ProjectorLight,
+    intrinsics: Intrinsics,
+    T_world_imager: RigidTransform,
+    sampling: Sampling,
+    seed: int = 0,
+) -> RadianceLayers:
+    """Render both layers as an ideal imager with box-shaped pixels sees them; one seed, one image."""
+    imager = Imager.at(T_world_imager, intrinsics)
+    shape = (intrinsics.height, intrinsics.width)
+    if sampling.whole_paths_everywhere:
+        layers, glossy = np.zeros((2, *shape), np.float32), np.ones(shape, bool)
+    else:
+        layers, glossy = _direct_light(world, light, imager, shape, sampling, seed)
+        if sampling.max_depth > 1 and not glossy.all():
+            surface = surface_map(world, intrinsics, T_world_imager)
+            layers += np.where(glossy, 0.0, _indirect_light(world, light, surface, sampling, seed))
+    pixels = np.flatnonzero(glossy)
+    layers.reshape(2, -1)[:, pixels] = _whole_paths(world, light, imager, intrinsics.width, pixels, sampling, seed)
+    return RadianceLayers(layers[0], layers[1])
+
+
+def _direct_light(
+    world: LoadedScene, light: ProjectorLight, imager: Imager, shape: tuple[int, int], sampling: Sampling, seed: int
+) -> tuple[Float32[np.ndarray, "2 h w"], Bool[np.ndarray, "h w"]]:
+    """Emitted and once-reflected light of both layers, and which pixels see a glossy surface."""
+    mi = backend.mitsuba()
+    import drjit as dr
+
+    scene, context, n = world.scene, mi.BSDFContext(), sampling.subpixels
+    points = SampleSet.sobol(n, 1, seed=seed)
+    lamps = SampleSet.sobol(n * sampling.lamp_points, 1, seed=seed)
+    index = dr.arange(mi.UInt32, shape[0] * shape[1] * n)
+    pixel, sample = index // n, index % n
+    row = pixel // shape[1]
+    u = mi.Float(pixel - row * shape[1]) + points.uniform(sample, pixel, 0) - 0.5
+    v = mi.Float(row) + points.uniform(sample, pixel, 1) - 0.5
+    si = scene.ray_intersect(imager.ray(u, v), mi.RayFlags.All, coherent=True)
+    hit = si.is_valid()
+    glossy = world.is_glossy(world.body(si))
+    bsdf = si.bsdf()
+
+    to_projector = light.position - si.p
+    distance2 = dr.maximum(dr.squared_norm(to_projector), 1e-9)
+    towards = to_projector * dr.rsqrt(distance2)
+    lit = hit & ~glossy
+    s, cos_axis = light.white_wall_radiance(-towards, mi.Float(0), lit)
+    f_cos = bsdf.eval(context, si, si.to_local(towards), lit).x
+    lit &= (s > 0) & (f_cos > 0)
+    lit &= ~scene.ray_test(si.spawn_ray_to(light.position), coherent=True, active=lit)
+    from_projector = dr.select(lit, f_cos * dr.pi * s / (dr.maximum(cos_axis**3, 1e-6) * distance2), 0.0)
+
+    from_lamps = dr.select(glossy, 0.0, si.emitter(scene).eval(si).x)
+    for k in range(sampling.lamp_points):
+        at = mi.Point2f(*(lamps.uniform(sample * sampling.lamp_points + k, pixel, d) for d in (0, 1)))
+        lamp, value = scene.sample_emitter_direction(si, at, True, hit & ~glossy)
+        f_cos = bsdf.eval(context, si, si.to_local(lamp.d), hit & ~glossy).x
+        from_lamps += dr.select(hit & ~glossy, f_cos * value.x, 0.0) / sampling.lamp_points
+
+    layers = [dr.block_sum(layer, n) / n for layer in (from_projector, from_lamps)]
+    any_glossy = dr.block_sum(dr.select(glossy, mi.UInt32(1), mi.UInt32(0)), n)
+    dr.eval(layers, any_glossy)
+    return np.stack([layer.numpy().reshape(shape) for layer in layers]), any_glossy.numpy().reshape(shape) > 0
+
+
+def _whole_paths(
+    world: LoadedScene,
+    light: ProjectorLight,
+    imager: Imager,
+    width: int,
+    pixels: Int[np.ndarray, "n"],
+    sampling: Sampling,
+    seed: int,
+) -> Float32[np.ndarray, "2 n"]:
+    """Both layers at the given pixels (flat indices), by full paths."""
+    mi = backend.mitsuba()
+    import drjit as dr
+
+    n = sampling.glossy_paths
+    samples = SampleSet.sobol(n, sampling.max_depth, sampling.rotated, seed)
+    layers = np.zeros((2, len(pixels)), np.float32)
+    step = max(PATHS_PER_LAUNCH // n, 1)
+    for start in range(0, len(pixels), step):
+        chosen = mi.UInt32(pixels[start : start + step].astype(np.uint32))
+        index = dr.arange(mi.UInt32, dr.width(chosen) * n)
+        pixel, sample = dr.gather(mi.UInt32, chosen, index // n), index % n
+        row = pixel // dr.opaque(mi.UInt32, width)
+        u = mi.Float(pixel - row * width) + samples.uniform(sample, pixel, 0) - 0.5
+        v = mi.Float(row) + samples.uniform(sample, pixel, 1) - 0.5
+        paths = trace_paths(
+            world, light, imager.ray(u, v), pixel, sample, samples, sampling.max_depth, filtered=sampling.filtered
+        )
+        means = [dr.block_sum(layer, n) / n for layer in paths]
+        dr.eval(means)
+        layers[:, start : start + step] = [mean.numpy() for mean in means]
+    return layers
+
+
+def _indirect_light(
+    world: LoadedScene, light: ProjectorLight, surface: SurfaceMap, sampling: Sampling, seed: int
+) -> Float32[np.ndarray, "2 h w"]:
+    """Light that reaches Lambertian surfaces by way of other surfaces and leaves towards the imager, both layers."""
+    mi = backend.mitsuba()
+    import drjit as dr
+
+    stride, n = sampling.indirect_stride_px, sampling.indirect_directions
+    coarse = surface.every(stride)
+    samples = SampleSet.sobol(n, sampling.max_depth, seed=seed)
+    index = dr.arange(mi.UInt32, coarse.body.size * n)
+    point, sample = index // n, index % n
+    position, normal = (
+        mi.Vector3f(*(dr.gather(mi.Float, mi.Float(np.ascontiguousarray(a[..., k].ravel())), point) for k in range(3)))
+        for a in (coarse.position, coarse.normal)
+    )
+    body = dr.gather(mi.UInt32, mi.UInt32(coarse.body.ravel().astype(np.uint32)), point)
+    lobe = mi.warp.square_to_cosine_hemisphere(
+        mi.Point2f(samples.uniform(sample, point, 0), samples.uniform(sample, point, 1))
+    )
+    si = dr.zeros(mi.SurfaceInteraction3f, dr.width(index))
+    si.t, si.p, si.n = mi.Float(1), mi.Point3f(position), mi.Normal3f(normal)
+    ray = si.spawn_ray(mi.Frame3f(normal).to_world(lobe))
+    albedo = dr.gather(mi.Float, mi.Float(world.albedo_of_body), body)
+    paths = trace_paths(
+        world, light, ray, point, sample, samples, sampling.max_depth, first_vertex=1, filtered=sampling.filtered
+    )
+    means = [dr.block_sum(layer * albedo, n) / n for layer in paths]
+    dr.eval(means)
+    fields = np.stack([mean.numpy().reshape(coarse.body.shape) for mean in means])
+    return coarse.interpolated(fields, surface, stride)

@@ -1,0 +1,81 @@
+"""What is really behind each pixel of the left image: depth, normal, incidence angle, body, visibility from the right."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float32, UInt8
+from scipy.spatial.transform import RigidTransform
+
+from franbv.frames import project
+from render import backend
+from render.mitsuba_scene import NO_BODY, LoadedScene
+from render.rig import Rig
+from render.surface import SurfaceMap, surface_map
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """Exact maps along the left imager's pixel-centre rays."""
+
+    depth: Float32[np.ndarray, "h w"]
+    """Z-depth [m], 0 = nothing there."""
+    normal_world: Float32[np.ndarray, "h w 3"]
+    """Unit normal turned towards the imager, 0 = nothing there."""
+    incidence: Float32[np.ndarray, "h w"]
+    """Angle between normal and view ray [rad], NaN = nothing there."""
+    body: UInt8[np.ndarray, "h w"]
+    """Index into the scene's bodies, NO_BODY = nothing there."""
+    in_right_image: Bool[np.ndarray, "h w"]
+    """Whether the point falls on the right imager's pixels, hidden or not."""
+    visible_from_right: Bool[np.ndarray, "h w"]
+    """Whether the point falls on the right imager's pixels and nothing hides it from there."""
+    visible_from_projector: Bool[np.ndarray, "h w"]
+    """Whether nothing hides the point from the projector."""
+
+
+def measure_truth(world: LoadedScene, rig: Rig, T_world_cam: RigidTransform) -> Truth:
+    """Cast the truth for a rig whose left imager stands at `T_world_cam`."""
+    surface = surface_map(world, rig.intrinsics, T_world_cam)
+    hit = surface.body != NO_BODY
+    shape = hit.shape
+    points = surface.position.reshape(-1, 3).astype(float)
+    depth = np.where(hit, T_world_cam.inv().apply(points)[:, 2].reshape(shape), 0).astype(np.float32)
+
+    view = T_world_cam.translation - surface.position
+    distance = np.maximum(np.linalg.norm(view, axis=-1), 1e-9)
+    cosine = np.einsum("hwk,hwk->hw", view, surface.normal) / distance
+    incidence = np.where(hit, np.arccos(np.clip(cosine, -1, 1)), np.nan).astype(np.float32)
+
+    in_right = hit & _in_image(points, rig, rig.right_imager(T_world_cam)).reshape(shape)
+    return Truth(
+        depth,
+        surface.normal,
+        incidence,
+        surface.body,
+        in_right,
+        in_right & _reached(world, surface, rig.right_imager(T_world_cam).translation),
+        hit & _reached(world, surface, rig.projector(T_world_cam).translation),
+    )
+
+
+def _in_image(points_world: np.ndarray, rig: Rig, T_world_imager: RigidTransform) -> Bool[np.ndarray, "n"]:
+    """Whether points (n, 3) fall on the imager's pixels."""
+    k = rig.intrinsics
+    uv = project(T_world_imager.inv().apply(points_world), k)
+    with np.errstate(invalid="ignore"):
+        inside = (uv >= -0.5) & (uv < [k.width - 0.5, k.height - 0.5])
+    return inside.all(axis=1)
+
+
+def _reached(world: LoadedScene, surface: SurfaceMap, place: np.ndarray) -> Bool[np.ndarray, "h w"]:
+    """Which of the map's points see `place` (3,) from the side that the imager sees."""
+    mi = backend.mitsuba()
+    import drjit as dr
+
+    points, normals = (np.ascontiguousarray(a.reshape(-1, 3).T) for a in (surface.position, surface.normal))
+    si = dr.zeros(mi.SurfaceInteraction3f, points.shape[1])
+    si.t, si.p, si.n = mi.Float(1), mi.Point3f(points), mi.Normal3f(normals)
+    target = mi.Point3f(*np.asarray(place, float).tolist())
+    facing = dr.dot(si.n, target - si.p) > 0
+    hidden = world.scene.ray_test(si.spawn_ray_to(target), active=facing)
+    return (facing & ~hidden).numpy().reshape(surface.body.shape)
