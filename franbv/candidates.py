@@ -2,9 +2,8 @@
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.spatial.transform import RigidTransform
+from scipy.spatial.transform import RigidTransform, Rotation
 
-from franbv.frames import look_at
 from franbv.oriented_box import OrientedBox, axis_aligned_box
 from franbv.parameters import Parameters
 
@@ -18,19 +17,17 @@ def candidate_poses(box: OrientedBox, parameters: Parameters, azimuth_offset: fl
     """
     polar = np.radians(np.linspace(parameters.polar_min_deg, parameters.polar_max_deg, parameters.n_rings))
     counts = ring_counts(np.sin(polar), parameters.n_candidates)
+    azimuth = azimuth_offset + np.concatenate([2 * np.pi * np.arange(count) / count for count in counts])
     radius = parameters.stand_off + box.half_diagonal
-    return [
-        _facing(box.centre, radius, angle, azimuth_offset + 2 * np.pi * k / count)
-        for angle, count in zip(polar, counts, strict=True)
-        for k in range(count)
-    ]
+    poses = _facing(box.centre, radius, np.repeat(polar, counts), azimuth)
+    return [poses[k] for k in range(len(azimuth))]
 
 
 def first_view(parameters: Parameters, azimuth_deg: float) -> RigidTransform:
     """The pose T_world_cam of the first acquisition: the prior box seen from the given azimuth."""
     prior = axis_aligned_box(np.array(parameters.prior_min), np.array(parameters.prior_max))
-    polar = np.radians(90.0 - parameters.first_elevation_deg)
-    return _facing(prior.centre, parameters.stand_off + prior.half_diagonal, polar, np.radians(azimuth_deg))
+    polar = np.radians([90.0 - parameters.first_elevation_deg])
+    return _facing(prior.centre, parameters.stand_off + prior.half_diagonal, polar, np.radians([azimuth_deg]))[0]
 
 
 def ring_counts(lengths: Float[np.ndarray, "r"], total: int) -> Int[np.ndarray, "r"]:
@@ -42,5 +39,9 @@ def ring_counts(lengths: Float[np.ndarray, "r"], total: int) -> Int[np.ndarray, 
 
 
 def _facing(centre, radius, polar, azimuth):
-    direction = [np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)]
-    return look_at(centre + radius * np.array(direction), centre)
+    """Poses (n,) on a sphere that look at its centre, world z up in the image; all at once, as `look_at` is for one."""
+    zeros = np.zeros_like(azimuth)
+    outwards = np.stack([np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1)
+    x = np.stack([-np.sin(azimuth), np.cos(azimuth), zeros], axis=-1)
+    rotation = np.stack([x, np.cross(-outwards, x), -outwards], axis=-1)
+    return RigidTransform.from_components(centre + radius * outwards, Rotation.from_matrix(rotation))

@@ -1,4 +1,4 @@
-"""When a reconstruction ends: N_max iterations, or stagnation of the utility (paper, section V)."""
+"""When a reconstruction ends: N_max iterations, or stagnation of the utility (paper, section VI)."""
 
 from collections.abc import Sequence
 from enum import StrEnum

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from franbv.candidates import candidate_poses, first_view, ring_counts
+from franbv.frames import look_at
 from franbv.oriented_box import axis_aligned_box
 from franbv.parameters import Parameters
 
@@ -21,6 +22,13 @@ def test_candidates_stand_on_the_hemisphere_and_look_at_its_centre():
     np.testing.assert_allclose(axes, -offset / 0.33, atol=1e-12)
     polar = np.degrees(np.arccos(offset[:, 2] / 0.33))
     np.testing.assert_allclose(np.unique(np.round(polar, 6)), [20, 40, 60, 80])
+
+
+def test_poses_are_those_of_look_at():
+    """Built all at once, each pose equals the one that `look_at` builds alone: image y axis down, world z up."""
+    aimed = [(T, BOX.centre) for T in candidate_poses(BOX, PARAMETERS, 0.3)[::5]]
+    for T, centre in [*aimed, (first_view(PARAMETERS, 77.0), np.array([0.0, 0.0, 0.06]))]:
+        np.testing.assert_allclose(T.as_matrix(), look_at(T.translation, centre).as_matrix(), atol=1e-12)
 
 
 def test_ring_counts_follow_ring_length():
