@@ -1,7 +1,7 @@
 """What the planner needs of a depth camera and of an arm. The simulator and the real cell both provide it."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -22,6 +22,7 @@ class DepthBurst:
     """Pose of the left infrared imager, the depth frame's origin."""
 
 
+@runtime_checkable
 class DepthCamera(Protocol):
     """A depth camera whose pose is known."""
 
@@ -40,6 +41,7 @@ class DepthCamera(Protocol):
         ...
 
 
+@runtime_checkable
 class Arm(Protocol):
     """A robot arm that carries the camera."""
 

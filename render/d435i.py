@@ -47,7 +47,7 @@ class SensorSettings(BaseModel):
     imager: ImagerSettings = ImagerSettings()
     """Exposure, noise and optics of both imagers."""
     auto_exposure: bool = True
-    """Choose exposure and gain per pose, as the D400 does by default; otherwise `imager.exposure_us` and `imager.gain`."""
+    """Choose exposure and gain per pose, as the D400 does by default; otherwise those of `imager` hold."""
     depth: DepthFormat = DepthFormat()
     """Coding of z16."""
 
@@ -77,8 +77,8 @@ class Measurement:
 class SimulatedD435i:
     """The camera in front of one scene.
 
-    Noise and speckle depend on the seed and the pose alone, so a pose gives the same frames whatever was measured before,
-    and the first frames of a longer burst are those of a shorter one.
+    Noise and speckle depend on the seed and the pose alone, so a pose gives the same frames whatever was measured
+    before, and the first frames of a longer burst are those of a shorter one.
     """
 
     def __init__(

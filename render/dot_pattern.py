@@ -44,7 +44,7 @@ class DotPattern:
 
     sharp: Float32[np.ndarray, "h w"]
     """Over the field itself, row 0 at the top (negative y); the light ends at its edge."""
-    blurred: Float32[np.ndarray, "levels h w"]
+    blurred: Float32[np.ndarray, "levels h_wide w_wide"]
     """Over the field and its margin, dark outside the field."""
     sigma: float
     """Standard deviation of one sharp dot; the unit in which blur levels count."""

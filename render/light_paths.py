@@ -1,8 +1,8 @@
 """Light paths from an imager through the scene: what the projector and the lamps add at every vertex.
 
 Projector and ambient light are carried side by side along the same path, since transport is linear. At each vertex the
-projector (a point) and one point on a lamp are connected; the path then follows a sample of the BSDF. Metal's BSDF samples
-that hit a lamp are weighted against the lamp connections by the balance heuristic (Veach 1997, ch. 9).
+projector (a point) and one point on a lamp are connected; the path then follows a sample of the BSDF. Metal's BSDF
+samples that hit a lamp are weighted against the lamp connections by the balance heuristic (Veach 1997, ch. 9).
 
 Two choices keep Monte-Carlo error below the imager's noise at few samples:
 - every pixel uses the *same* low-discrepancy sample set, so error varies over the image as slowly as the scene does,
@@ -10,8 +10,8 @@ Two choices keep Monte-Carlo error below the imager's noise at few samples:
 - behind a glossy vertex, the dots are looked up blurred to the footprint of one sample (as texture filtering by ray
   differentials does: Igehy 1999), so that N samples of a lobe stand for the whole lobe and not for N dots.
 
-Left out: light that metal throws onto a Lambertian surface (caustics). Paths from the camera find it too rarely, and what they
-find of it is blotches.
+Left out: light that metal throws onto a Lambertian surface (caustics). Paths from the camera find it too rarely, and
+what they find of it is blotches.
 """
 
 from dataclasses import dataclass
@@ -31,8 +31,8 @@ DIMENSIONS_PIXEL = 2
 DIMENSIONS_VERTEX = 5
 """Sample dimensions per vertex: point on a lamp (2), BSDF component (1), BSDF direction (2)."""
 FOOTPRINT_SIGMA = 0.5
-"""Blur of the dots behind a glossy vertex, in units of the distance between samples (choice: the usual width of a Gaussian
-reconstruction filter)."""
+"""Blur of the dots behind a glossy vertex, in units of the distance between samples (choice: the usual width of a
+Gaussian reconstruction filter)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,9 +192,9 @@ def trace_paths(
 ) -> tuple[Any, Any]:
     """Radiance along `ray` from the projector and from the lamps [W m^-2 sr^-1], one value a path.
 
-    max_depth: surface vertices of a path at the most. first_vertex: number of the vertex that `ray` meets, > 0 where the
-    path's earlier vertices are the caller's: then lamps met directly count nothing (the caller connected them) and dots are
-    looked up with the footprint of a cosine lobe's sample.
+    max_depth: surface vertices of a path at the most. first_vertex: number of the vertex that `ray` meets, > 0 where
+    the path's earlier vertices are the caller's and Lambertian: then lamps met directly count nothing (the caller
+    connected them) and dots are looked up with the footprint of a cosine lobe's sample.
     """
     mi = backend.mitsuba()
     import drjit as dr

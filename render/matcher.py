@@ -1,7 +1,7 @@
 """The stereo matcher's interface: pairs of infrared images in, disparities of the left image out."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float32, UInt8
@@ -37,6 +37,7 @@ class Window:
         return cls(0, 0, shape[-1], shape[-2])
 
 
+@runtime_checkable
 class StereoMatcher(Protocol):
     """Anything that finds the disparities of rectified, row-aligned infrared pairs."""
 

@@ -1,4 +1,4 @@
-"""A scene of plain data as a loaded Mitsuba scene. The projector is no emitter of it: `render.radiance` adds its light."""
+"""A scene of plain data as a loaded Mitsuba scene, without the projector: `render.light_paths` adds its light."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -23,7 +23,7 @@ class LoadedScene:
     body_of_shape: Any
     """Dr.Jit lookup (UInt32): Mitsuba's registry id of a shape -> index into `source.bodies`, or NO_BODY."""
     glossy_of_body: Any
-    """Dr.Jit lookup (UInt32), NO_BODY + 1 entries: 1 where a body is not Lambertian. Nothing and lamps scatter nothing: 0."""
+    """Dr.Jit lookup (UInt32), NO_BODY + 1 entries: 1 where a body is not Lambertian; 0 for nothing and lamps."""
     albedo_of_body: Any
     """Dr.Jit lookup (Float), NO_BODY + 1 entries: reflectance of the Lambertian bodies, 0 for all else."""
     source: Scene
@@ -34,7 +34,7 @@ class LoadedScene:
         import drjit as dr
 
         hit = si.is_valid()
-        shape = dr.reinterpret_array(mi.UInt32, si.shape)
+        shape: Any = dr.reinterpret_array(mi.UInt32, si.shape)
         return dr.select(hit, dr.gather(mi.UInt32, self.body_of_shape, shape, hit), NO_BODY)
 
     def is_glossy(self, body: Any) -> Any:
@@ -46,10 +46,8 @@ class LoadedScene:
 
 
 def load_scene(scene: Scene) -> LoadedScene:
-    """Build the Mitsuba scene (about 50 ms). Lamps are one-sided area emitters; ambient light is a constant environment."""
+    """Build the Mitsuba scene. Lamps are one-sided area emitters; ambient light is a constant environment."""
     mi = backend.mitsuba()
-    import drjit as dr
-
     description: dict[str, Any] = {"type": "scene"}
     shapes = [_mitsuba_mesh(body) for body in scene.bodies]
     description |= {f"body_{i}": shape for i, shape in enumerate(shapes)}
@@ -60,8 +58,8 @@ def load_scene(scene: Scene) -> LoadedScene:
             "radiance": {"type": "spectrum", "value": float(scene.ambient_radiance)},
         }
     loaded = mi.load_dict(description)
-    ids = [int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0]) for shape in shapes]
-    every = [int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0]) for shape in loaded.shapes()]
+    ids = [_registry_id(shape) for shape in shapes]
+    every = [_registry_id(shape) for shape in loaded.shapes()]
     lookup = np.full(max(every, default=0) + 1, NO_BODY, np.uint32)
     lookup[ids] = np.arange(len(ids))
     glossy = np.zeros(NO_BODY + 1, np.uint32)
@@ -69,6 +67,15 @@ def load_scene(scene: Scene) -> LoadedScene:
     albedo = np.zeros(NO_BODY + 1, np.float32)
     albedo[: len(scene.bodies)] = [b.material.reflectance if isinstance(b.material, Matte) else 0 for b in scene.bodies]
     return LoadedScene(loaded, mi.UInt32(lookup), mi.UInt32(glossy), mi.Float(albedo), scene)
+
+
+def _registry_id(shape: Any) -> int:
+    """Number by which Dr.Jit knows the shape."""
+    mi = backend.mitsuba()
+    import drjit as dr
+
+    pointer: Any = dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))
+    return int(pointer[0])
 
 
 def _mitsuba_mesh(body: Body) -> Any:

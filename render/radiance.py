@@ -1,12 +1,15 @@
 """Radiance of the projector's and of the ambient light at every pixel of an imager, as two separate layers.
 
-Pixels that see Lambertian surfaces only need few samples: their direct light is computed with a handful of sub-pixel and lamp
-points, and their indirect light, which is smooth over a surface, on every n-th pixel, interpolated within the surface (the
-idea of irradiance caching: Ward, Rubinstein and Clear 1988). Pixels that see anything glossy get whole light paths.
+Pixels that see Lambertian surfaces only need few samples: their direct light is computed with a handful of sub-pixel
+and lamp points, and their indirect light, which is smooth over a surface, on every n-th pixel, interpolated within the
+surface (the idea of irradiance caching: Ward, Rubinstein and Clear 1988). Pixels that see anything glossy get whole
+light paths.
 No denoiser: it would invent or erase dots.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float32, Int
@@ -120,10 +123,8 @@ def _direct_light(
         f_cos = bsdf.eval(context, si, si.to_local(lamp.d), hit & ~glossy).x
         from_lamps += dr.select(hit & ~glossy, f_cos * value.x, 0.0) / sampling.lamp_points
 
-    layers = [dr.block_sum(layer, n) / n for layer in (from_projector, from_lamps)]
-    any_glossy = dr.block_sum(dr.select(glossy, mi.UInt32(1), mi.UInt32(0)), n)
-    dr.eval(layers, any_glossy)
-    return np.stack([layer.numpy().reshape(shape) for layer in layers]), any_glossy.numpy().reshape(shape) > 0
+    means = _pixel_means([from_projector, from_lamps, dr.select(glossy, mi.Float(1), mi.Float(0))], n)
+    return means[:2].reshape(2, *shape), means[2].reshape(shape) > 0
 
 
 def _whole_paths(
@@ -153,9 +154,7 @@ def _whole_paths(
         paths = trace_paths(
             world, light, imager.ray(u, v), pixel, sample, samples, sampling.max_depth, filtered=sampling.filtered
         )
-        means = [dr.block_sum(layer, n) / n for layer in paths]
-        dr.eval(means)
-        layers[:, start : start + step] = [mean.numpy() for mean in means]
+        layers[:, start : start + step] = _pixel_means(paths, n)
     return layers
 
 
@@ -186,7 +185,16 @@ def _indirect_light(
     paths = trace_paths(
         world, light, ray, point, sample, samples, sampling.max_depth, first_vertex=1, filtered=sampling.filtered
     )
-    means = [dr.block_sum(layer * albedo, n) / n for layer in paths]
-    dr.eval(means)
-    fields = np.stack([mean.numpy().reshape(coarse.body.shape) for mean in means])
-    return coarse.interpolated(fields, surface, stride)
+    fields = _pixel_means([layer * albedo for layer in paths], n)
+    return coarse.interpolated(fields.reshape(-1, *coarse.body.shape), surface, stride)
+
+
+def _pixel_means(values: Sequence[Any], n: int) -> Float32[np.ndarray, "c pixels"]:
+    """Means over each pixel's n consecutive samples."""
+    import drjit as dr
+
+    # One kernel for all of them first: each block sum would otherwise trace the paths again.
+    dr.eval(values)
+    sums = [dr.block_sum(value, n) for value in values]
+    dr.eval(sums)
+    return np.stack([s.numpy() for s in sums]) / np.float32(n)

@@ -17,7 +17,7 @@ from render.mitsuba_scene import LoadedScene
 SAME_SURFACE_COSINE = 0.9
 """Normals within 26 deg count as one surface for interpolation (choice)."""
 SAME_SURFACE_OFFSET = 0.01
-"""Points within this distance of the other's tangent plane count as one surface [m] (choice: below the parts' features)."""
+"""Points this close to the other's tangent plane count as one surface [m] (choice: below the parts' features)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,10 +39,10 @@ class SurfaceMap:
     def interpolated(
         self, values: Float32[np.ndarray, "c H W"], fine: "SurfaceMap", stride: int
     ) -> Float32[np.ndarray, "c h w"]:
-        """Values at this coarse map's points (one in `stride` pixels of `fine`), bilinear within each surface of `fine`.
+        """Values at this coarse map's points (one in `stride` pixels of `fine`), bilinear within each surface.
 
-        Of the four nearest points only those on the same body and on about the same tangent plane count; where none does,
-        the nearest of the four of the same body counts alone, or failing that the plain bilinear mean.
+        Of the four nearest points only those on the same body and on about the same tangent plane count; where none
+        does, those of the same body, or failing that all four.
         """
         h, w = fine.body.shape
         H, W = self.body.shape
@@ -52,7 +52,7 @@ class SurfaceMap:
         shape = (h, w)
         total, weights = np.zeros((len(values), *shape), np.float32), np.zeros(shape, np.float32)
         for dy, dx in np.ndindex(2, 2):
-            at = np.ix_(np.minimum(y0 + dy, H - 1), np.minimum(x0 + dx, W - 1))
+            at = np.minimum(y0 + dy, H - 1)[:, None], np.minimum(x0 + dx, W - 1)[None, :]
             bilinear = np.outer(fy if dy else 1 - fy, fx if dx else 1 - fx)
             weight = bilinear * self._likeness(at, fine) + 1e-6 * bilinear
             weights += weight

@@ -1,4 +1,4 @@
-"""What is really behind each pixel of the left image: depth, normal, incidence angle, body, visibility from the right."""
+"""What is really behind each pixel of the left image: depth, normal, incidence angle, body, visibility."""
 
 from dataclasses import dataclass
 
@@ -64,7 +64,7 @@ def _in_image(points_world: np.ndarray, rig: Rig, T_world_imager: RigidTransform
     uv = project(T_world_imager.inv().apply(points_world), k)
     with np.errstate(invalid="ignore"):
         inside = (uv >= -0.5) & (uv < [k.width - 0.5, k.height - 0.5])
-    return inside.all(axis=1)
+    return np.all(inside, axis=1)
 
 
 def _reached(world: LoadedScene, surface: SurfaceMap, place: np.ndarray) -> Bool[np.ndarray, "h w"]:
