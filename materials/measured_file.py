@@ -37,9 +37,7 @@ def check_measured_file(path: Path, wavelength_nm: float = 850.0) -> None:
     fields = tensor_fields(path)
     missing = [name for name in FIELDS if name not in fields]
     if missing:
-        raise InputError(
-            f"{path}: has no {', '.join(missing)}; take the spectral (_spec.bsdf) file of the RGL database"
-        )
+        raise InputError(f"{path}: has no {', '.join(missing)}; take the spectral file of the RGL database, _spec.bsdf")
     wavelengths = read_tensor(path, fields["wavelengths"])
     low, high = float(wavelengths.min()), float(wavelengths.max())
     if not low <= wavelength_nm <= high:

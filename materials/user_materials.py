@@ -28,6 +28,7 @@ from materials.material import Material, Matte, Measured, RoughConductor, RoughP
 from materials.measured_file import check_measured_file
 from materials.non_metals import NON_METALS
 from materials.optical_constants import METALS, WAVELENGTH_NM
+from materials.suggestion import suggest
 
 
 class _Entry(BaseModel):
@@ -73,6 +74,12 @@ class UserMeasured(_Entry):
     file: Path
 
 
+_KINDS: dict[str, type[_Entry]] = {
+    "metal": UserMetal,
+    "plastic": UserPlastic,
+    "matte": UserMatte,
+    "measured": UserMeasured,
+}
 UserEntry = Annotated[UserMetal | UserPlastic | UserMatte | UserMeasured, Field(discriminator="kind")]
 
 
@@ -122,7 +129,7 @@ def load_user_materials(path: Path) -> UserMaterials:
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the name") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: is not YAML ({_one_line(error)}); see the example in the documentation") from error
+        raise InputError(f"{path}: is not YAML ({_one_line(error)}); mend it there") from error
     try:
         user = UserMaterials.model_validate(content)
     except ValidationError as error:
@@ -159,16 +166,20 @@ def _build(name: str, entry: UserMetal | UserPlastic | UserMatte) -> None:
 def _first_fault(error: ValidationError) -> str:
     """`key: what is wrong; mend` for the first fault that pydantic found."""
     fault = error.errors()[0]
+    parts = [str(part) for part in fault["loc"]]
     # Inside a tagged union pydantic puts the tag into the place: materials.my_steel.metal.alfa.
-    place = [str(part) for part in fault["loc"] if str(part) not in ("metal", "plastic", "matte", "measured")]
-    key = ".".join(place) or "the file"
+    place = [part for part in parts if part not in _KINDS]
+    entry = next((_KINDS[part] for part in parts if part in _KINDS), UserMaterials)
     mends = {
-        "extra_forbidden": "unknown key; remove it or correct its name",
+        "extra_forbidden": f"unknown key; {suggest(parts[-1] if parts else '', entry.model_fields)}",
         "missing": "missing; add it",
-        "union_tag_not_found": "has no kind; add kind: metal, plastic, matte or measured",
-        "union_tag_invalid": "unknown kind; use metal, plastic, matte or measured",
+        "union_tag_not_found": f"has no kind; add kind: {', '.join(_KINDS)}",
+        "union_tag_invalid": f"unknown kind; use {', '.join(_KINDS)}",
+        "dict_type": "is no table of names; write materials: {NAME: {kind: ...}}",
+        "model_type": "is no table of names; write materials: {NAME: {kind: ...}}",
     }
-    return f"{key}: {mends.get(fault['type'], fault['msg'].lower() + '; see the example in the documentation')}"
+    wrong = mends.get(fault["type"], f"{fault['msg'].lower()}; correct the value")
+    return f"{'.'.join(place) or 'the file'}: {wrong}"
 
 
 def _one_line(error: Exception) -> str:
