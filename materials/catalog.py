@@ -12,15 +12,14 @@ from materials.material import Material, Matte, RoughConductor
 from materials.non_metals import NON_METALS
 from materials.optical_constants import METALS, optical_constants
 from materials.suggestion import suggest
-from materials.user_materials import UserMaterials, UserMetal
+from materials.user_materials import NO_USER_MATERIALS, UserMaterials, UserMetal
 
 TWIN_REFLECTANCE = 0.5
 """Albedo of the matte twin at 850 nm. Choice: one number, so that one twin rendering serves every material of a study;
 half-way, so that auto-exposure neither starves nor saturates the twin beside the same lamps."""
-_NO_USER_MATERIALS = UserMaterials()
 
 
-def material(spec: str, user: UserMaterials = _NO_USER_MATERIALS) -> Material:
+def material(spec: str, user: UserMaterials = NO_USER_MATERIALS) -> Material:
     """The material that `spec` names; raises InputError when there is none, or none that holds at 850 nm."""
     body, at, override = spec.strip().partition("@")
     name, colon, finish_name = body.partition(":")
@@ -73,7 +72,7 @@ def matte_twin(material: Material) -> Matte:
     return material if isinstance(material, Matte) else Matte("matte_twin", TWIN_REFLECTANCE)
 
 
-def metal_names(user: UserMaterials = _NO_USER_MATERIALS) -> tuple[str, ...]:
+def metal_names(user: UserMaterials = NO_USER_MATERIALS) -> tuple[str, ...]:
     """Metals, the built-in ones first."""
     return (*METALS, *(name for name, entry in user.materials.items() if isinstance(entry, UserMetal)))
 
@@ -84,7 +83,7 @@ def finish_names(metal: str | None = None) -> tuple[str, ...]:
     return tuple(name for name, row in FINISHES.items() if not (bare and row.oxide_share > 0.0))
 
 
-def material_names(user: UserMaterials = _NO_USER_MATERIALS) -> tuple[str, ...]:
+def material_names(user: UserMaterials = NO_USER_MATERIALS) -> tuple[str, ...]:
     """Every name that can stand before the colon: metals, then non-metals."""
     others = (name for name, entry in user.materials.items() if not isinstance(entry, UserMetal))
     return (*metal_names(user), *NON_METALS, *others)

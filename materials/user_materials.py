@@ -122,6 +122,10 @@ class UserMaterials(BaseModel):
         raise InputError(f"{name}: a metal needs a finish; write {name}:polished")
 
 
+NO_USER_MATERIALS = UserMaterials()
+"""What there is when the user brings nothing."""
+
+
 def load_user_materials(path: Path) -> UserMaterials:
     """Read and check a material file; raises InputError that names the file, the key and the mend."""
     try:
