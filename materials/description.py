@@ -32,7 +32,7 @@ class Description:
     alpha_v: float | None = None
     """GGX roughness across it [-]."""
     diffuse_reflectance: float | None = None
-    """What is reflected diffusely: by a paint, by a plastic as seen from outside, by a metal's share of oxide [0, 1]."""
+    """What is reflected diffusely: by a paint, by a plastic as seen from outside, by a metal's oxide [0, 1]."""
 
     def line(self) -> str:
         """One line for people, such as `iron:polished  metal  n 2.948  k 3.459  R0 0.57  alpha 0.03  (...)`."""
