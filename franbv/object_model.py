@@ -8,7 +8,7 @@ from scipy.ndimage import label
 
 from franbv.oriented_box import OrientedBox, axis_aligned_box, oriented_box
 from franbv.parameters import Parameters
-from franbv.voxel_map import VoxelMap
+from franbv.voxel_map import VoxelMap, extent
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,12 +52,14 @@ def above_table(voxel_map: VoxelMap, parameters: Parameters) -> Bool[np.ndarray,
 
 def large_components(mask: Bool[np.ndarray, "x y z"], min_voxels: int, min_share: float) -> Bool[np.ndarray, "x y z"]:
     """The 26-connected components with at least `min_voxels` voxels and `min_share` of the largest one's."""
-    labels = np.zeros(mask.shape, np.int32)
-    label(mask, structure=np.ones((3, 3, 3)), output=labels)
-    sizes = np.bincount(labels.ravel())
+    large = np.zeros(mask.shape, bool)
+    filled = extent(mask)
+    labels = np.zeros(mask[filled].shape, np.int32)
+    label(mask[filled], structure=np.ones((3, 3, 3)), output=labels)
+    sizes = np.bincount(labels.ravel(), minlength=1)
     sizes[0] = 0  # the background
-    kept = sizes >= max(min_voxels, min_share * sizes.max())
-    return kept[labels]
+    large[filled] = (sizes >= max(min_voxels, min_share * sizes.max()))[labels]
+    return large
 
 
 def object_points(

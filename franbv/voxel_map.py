@@ -50,7 +50,11 @@ class VoxelMap:
         occupied: count only these as occupied (those of the object); default all occupied ones.
         """
         occupied = self.occupied if occupied is None else occupied
-        return np.logical_and.reduce([self.uncertain, _touches(self.free), _touches(occupied)])
+        frontier = np.zeros(self.log_odds.shape, bool)
+        near = extent(occupied, margin=2)  # wide enough for every voxel that touches one, and its own neighbours
+        touching = [_touches(occupied[near]), _touches(self.free[near]), self.uncertain[near]]
+        frontier[near] = np.logical_and.reduce(touching)
+        return frontier
 
     def centres(self, mask: Bool[np.ndarray, "x y z"]) -> Float[np.ndarray, "n 3"]:
         """Centres of the voxels in the mask, world frame [m], in index order."""
@@ -100,6 +104,15 @@ def burst_depth(burst: DepthBurst, invalid_share: float = 0.5) -> Float[np.ndarr
     ranks = np.stack([np.maximum(n_valid - 1, 0) // 2, np.minimum(n_valid // 2, n - 1)])
     median = np.take_along_axis(ordered, ranks, axis=0).mean(axis=0)
     return np.where((n - n_valid) / n < invalid_share, median, 0.0)
+
+
+def extent(mask: Bool[np.ndarray, "x y z"], margin: int = 0) -> tuple[slice, slice, slice]:
+    """The smallest part of the grid that holds the mask, `margin` voxels wider on each side; empty for an empty one."""
+    slices = []
+    for axis in range(3):
+        present = np.flatnonzero(mask.any(axis=tuple({0, 1, 2} - {axis})))
+        slices.append(slice(max(present[0] - margin, 0), present[-1] + margin + 1) if len(present) else slice(0, 0))
+    return slices[0], slices[1], slices[2]
 
 
 def scan_voxels(

@@ -115,6 +115,20 @@ def test_frontier_touches_free_and_occupied():
     assert not grid.frontier(np.zeros_like(expected)).any()
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_frontier_equals_brute_force(seed):
+    """In random maps every voxel's 26 neighbours are looked at one by one; nothing lies outside the grid."""
+    rng = np.random.default_rng(seed)
+    log_odds = rng.choice([-1.0, 0.0, 1.0], (7, 6, 5), p=[0.1, 0.8, 0.1])
+    solid = (log_odds > 0) & (rng.random(log_odds.shape) > 0.5)
+    expected = np.zeros_like(solid)
+    for index in np.argwhere(log_odds == 0):
+        around = tuple(slice(max(i - 1, 0), i + 2) for i in index)
+        expected[tuple(index)] = (log_odds[around] < 0).any() and solid[around].any()
+    np.testing.assert_array_equal(VoxelMap(np.zeros(3, int), 1.0, log_odds).frontier(solid), expected)
+    assert expected.any()
+
+
 def test_centres_and_lookup_are_inverse():
     """The centre of each voxel, and any point within half a voxel of it, is found in that voxel; outside is False."""
     grid = empty_map(TINY)
