@@ -2,7 +2,7 @@
 
 Dots are isotropic Gaussians at the points of a saturated-minimum-distance process: uniform throws that are rejected
 within `MINIMUM_SPACING` of an earlier dot. Measured on real D435 frames at 1280x720 (f = 642 px): 4.5 dots per 1000 px,
-nearest neighbour 10.6 / 12.1 / 13.4 px (10th, 50th, 90th percentile), width about 5 px at half maximum.
+nearest neighbour 10.6 / 12.1 / 13.4 px (10th, 50th, 90th percentile), about 5 px wide at half their height.
 """
 
 from dataclasses import dataclass
@@ -20,8 +20,9 @@ DOT_DENSITY = 4.5e-3 * FOCAL_REFERENCE_PX**2
 """Dots per unit area of the plane at unit distance (measured: 4.5 per 1000 px)."""
 MINIMUM_SPACING = 10.7 / FOCAL_REFERENCE_PX
 """Least distance of two dots; gives nearest neighbours of 10.8 / 11.8 / 13.8 px at the measured density."""
-DOT_FWHM = 5.0 / FOCAL_REFERENCE_PX
-"""Full width of a dot at half its height (measured)."""
+DOT_FWHM = np.sqrt(5.0**2 - 2.6**2) / FOCAL_REFERENCE_PX
+"""Full width of a dot at half its height: 5 px in real images, less the 2.6 px by which lens, pixel and rectification
+spread a point (`render.lens`)."""
 BACKGROUND_SHARE = 0.2
 """Share of the light outside the dots: zero order and scatter of the diffractive element (choice; real dots stand on a
 visible veil, and the measured peak over background of 3.8 holds between it and a lit workshop)."""
@@ -35,7 +36,7 @@ BLUR_LEVELS = 8
 """Blurred copies; copy l is blurred by sigma_0 2^(l - 1), copy 0 is sharp."""
 FIELD_MARGIN = 0.5
 """Margin around the field in the blurred copies, as a share of the half field, so that blurred edges fade out."""
-_SIGMA = DOT_FWHM / (2.0 * np.sqrt(2.0 * np.log(2.0)))
+_SIGMA = float(DOT_FWHM / (2.0 * np.sqrt(2.0 * np.log(2.0))))
 
 
 @dataclass(frozen=True, eq=False)
