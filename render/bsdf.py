@@ -4,6 +4,7 @@ collapse to visible luminance."""
 from typing import Any
 
 from materials.material import Material, Matte, Measured, RoughConductor, RoughPlastic
+from render.conductor import conductor_description
 
 
 def bsdf_description(material: Material) -> dict[str, Any]:
@@ -36,14 +37,7 @@ def _one_sided(material: Material) -> dict[str, Any]:
 
 
 def _conductor(metal: RoughConductor) -> dict[str, Any]:
-    bare = {
-        "type": "roughconductor",
-        "distribution": "ggx",
-        "eta": _constant(metal.n),
-        "k": _constant(metal.k),
-        "alpha_u": metal.alpha_u,
-        "alpha_v": metal.alpha_v,
-    }
+    bare = conductor_description(metal)
     if metal.oxide_share == 0:
         return bare
     oxide = {"type": "diffuse", "reflectance": _constant(metal.oxide_reflectance)}
