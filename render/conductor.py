@@ -1,7 +1,8 @@
 """A rough conductor that keeps its energy: Mitsuba's one-bounce GGX lobe plus the lobe of all further bounces.
 
-The second lobe is Kulla and Conty's (see `materials.energy_compensation`, which also says how well it agrees with a random
-walk on the microsurface). Without it a blasted or oxidised metal is up to a third too dark, and darkness makes holes.
+The second lobe is Kulla and Conty's (see `materials.energy_compensation`, which also says how well it agrees with a
+random walk on the microsurface). Without it a blasted or oxidised metal is up to a third too dark, and darkness makes
+holes.
 """
 
 import functools

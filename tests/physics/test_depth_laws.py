@@ -46,9 +46,9 @@ def test_wall_is_filled_and_in_place(measured, distance):
 
 
 def test_noise_grows_as_z_squared():
-    """RMS_z = Z^2 * subpixel_rms / (f B): converted back to pixels, the noise over a plane is the same at every distance
-    within a factor of two, though in millimetres it grows sixteenfold from 0.5 to 2 m. The wall is seen at 5 deg, so that
-    all fractions of a disparity step occur."""
+    """RMS_z = Z^2 * subpixel_rms / (f B): converted back to pixels, the noise over a plane is the same at every
+    distance within a factor of two, though in millimetres it grows sixteenfold from 0.5 to 2 m. The wall is seen at 5
+    deg, so that all fractions of a disparity step occur."""
     rig, subpixel = d435i_rig(), []
     for distance in (0.5, 1.0, 2.0):
         camera = SimulatedD435i(lit_wall(distance), WHOLE, seed=1)
