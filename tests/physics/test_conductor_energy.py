@@ -29,7 +29,7 @@ def test_perfect_rough_metal_vanishes_in_a_furnace(alpha_u, alpha_v):
 def test_sampling_agrees_with_density():
     """Of N sampled directions, as many fall into each octant-and-ring of the hemisphere as the density's integral says:
     chi-square by Mitsuba's own test of the BSDF."""
-    mi = backend.mitsuba()
+    backend.mitsuba()
     from mitsuba.chi2 import ChiSquareTest, SphericalDomain
 
     description = bsdf_description(RoughConductor("steel", 3.249, 4.905, 0.3, 0.5))["bsdf"]
