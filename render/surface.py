@@ -4,9 +4,11 @@ Rays go through pixel centres; a depth AOV would be jittered, averaged and measu
 """
 
 from dataclasses import dataclass
+from typing import no_type_check
 
+import numba
 import numpy as np
-from jaxtyping import Float32, Int, UInt8
+from jaxtyping import Float32, UInt8
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
@@ -44,27 +46,44 @@ class SurfaceMap:
         Of the four nearest points only those on the same body and on about the same tangent plane count; where none
         does, those of the same body, or failing that all four.
         """
-        h, w = fine.body.shape
-        H, W = self.body.shape
-        x, y = ((np.arange(n) - stride // 2) / stride for n in (w, h))
-        x0, y0 = (np.clip(np.floor(a).astype(int), 0, max(n - 2, 0)) for a, n in ((x, W), (y, H)))
-        fx, fy = (np.clip(a - a0, 0, 1).astype(np.float32) for a, a0 in ((x, x0), (y, y0)))
-        shape = (h, w)
-        total, weights = np.zeros((len(values), *shape), np.float32), np.zeros(shape, np.float32)
-        for dy, dx in np.ndindex(2, 2):
-            at = np.minimum(y0 + dy, H - 1)[:, None], np.minimum(x0 + dx, W - 1)[None, :]
-            bilinear = np.outer(fy if dy else 1 - fy, fx if dx else 1 - fx)
-            weight = bilinear * self._likeness(at, fine) + 1e-6 * bilinear
-            weights += weight
-            total += weight * values[:, at[0], at[1]]
-        return total / np.maximum(weights, 1e-12)
+        out = np.zeros((len(values), *fine.body.shape), np.float32)
+        _interpolate(
+            values, self.body, self.position, self.normal, fine.body, fine.position, fine.normal, stride, out
+        )  # fmt: skip
+        return out
 
-    def _likeness(self, at: tuple[Int[np.ndarray, "h 1"], Int[np.ndarray, "1 w"]], fine: "SurfaceMap") -> np.ndarray:
-        """1 where the coarse point lies on the fine point's surface, 0.001 where only on its body, else 0 (h, w)."""
-        same_body = self.body[at] == fine.body
-        parallel = np.einsum("hwk,hwk->hw", self.normal[at], fine.normal) > SAME_SURFACE_COSINE
-        offset = np.einsum("hwk,hwk->hw", self.position[at] - fine.position, fine.normal)
-        return same_body * np.where(parallel & (np.abs(offset) < SAME_SURFACE_OFFSET), 1.0, 1e-3).astype(np.float32)
+
+@no_type_check
+@numba.njit(nogil=True, cache=True, fastmath=True)
+def _interpolate(values, body, position, normal, fine_body, fine_position, fine_normal, stride, out):
+    channels, rows, columns = values.shape
+    height, width = fine_body.shape
+    for v in range(height):
+        y = (v - stride // 2) / stride
+        y0 = min(max(int(np.floor(y)), 0), max(rows - 2, 0))
+        fy = min(max(y - y0, 0.0), 1.0)
+        for u in range(width):
+            x = (u - stride // 2) / stride
+            x0 = min(max(int(np.floor(x)), 0), max(columns - 2, 0))
+            fx = min(max(x - x0, 0.0), 1.0)
+            total = 0.0
+            for k in range(4):
+                j, i = min(y0 + k // 2, rows - 1), min(x0 + k % 2, columns - 1)
+                weight = (fy if k // 2 else 1.0 - fy) * (fx if k % 2 else 1.0 - fx)
+                likeness = 1e-6
+                if body[j, i] == fine_body[v, u]:
+                    cosine = offset = 0.0
+                    for a in range(3):
+                        cosine += normal[j, i, a] * fine_normal[v, u, a]
+                        offset += (position[j, i, a] - fine_position[v, u, a]) * fine_normal[v, u, a]
+                    same = cosine > SAME_SURFACE_COSINE and abs(offset) < SAME_SURFACE_OFFSET
+                    likeness = 1.0 if same else 1e-3
+                weight *= likeness
+                total += weight
+                for c in range(channels):
+                    out[c, v, u] += weight * values[c, j, i]
+            for c in range(channels):
+                out[c, v, u] /= max(total, 1e-12)
 
 
 def surface_map(world: LoadedScene, intrinsics: Intrinsics, T_world_imager: RigidTransform) -> SurfaceMap:
