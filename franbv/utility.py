@@ -1,0 +1,60 @@
+"""How much a sensor pose promises: U of eq. (2) for next views and U_r of eq. (14) for recovery poses."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.spatial.transform import RigidTransform
+
+from franbv.ellipsoids import Ellipsoids
+from franbv.frames import Intrinsics
+from franbv.oriented_box import OrientedBox
+from franbv.parameters import Parameters
+from franbv.projected_box import projected_box_area
+from franbv.projection import in_camera_frame, projected_areas
+
+
+def view_utility(
+    ellipsoids: Ellipsoids, intrinsics: Intrinsics, T_world_cam: RigidTransform, parameters: Parameters
+) -> float:
+    """U(x), eq. (2) [px^2]: weighted areas of frontier ellipsoids less those of occupied ones."""
+    return float(view_utilities(ellipsoids, intrinsics, [T_world_cam], parameters)[0])
+
+
+def view_utilities(
+    ellipsoids: Ellipsoids, intrinsics: Intrinsics, Ts_world_cam: Sequence[RigidTransform], parameters: Parameters
+) -> Float[np.ndarray, "n"]:
+    """U(x), eq. (2) [px^2], of every pose."""
+    if len(Ts_world_cam) == 0:
+        return np.zeros(0)
+    poses = RigidTransform.concatenate(list(Ts_world_cam))
+    areas = projected_areas(ellipsoids, intrinsics, poses, parameters.area_supersampling)  # (n, k)
+    weights = parameters.weight_base ** depth_ranks(visible_depths(ellipsoids, poses))
+    return np.sum(weights * areas * np.where(ellipsoids.is_frontier, 1.0, -1.0), axis=1)
+
+
+def recovery_utility(
+    ellipsoids: Ellipsoids,
+    region: OrientedBox,
+    intrinsics: Intrinsics,
+    T_world_cam: RigidTransform,
+    parameters: Parameters,
+) -> float:
+    """U_r(x), eq. (14) [px^2]: U(x) plus the weighted area of the region B_r*, ranked among the ellipsoids."""
+    areas = projected_areas(ellipsoids, intrinsics, T_world_cam, parameters.area_supersampling)
+    areas = np.append(areas, projected_box_area(region, intrinsics, T_world_cam))
+    region_depth = T_world_cam.inv().apply(region.centre)[2]
+    weights = parameters.weight_base ** depth_ranks(np.append(visible_depths(ellipsoids, T_world_cam), region_depth))
+    return float(np.sum(weights * areas * np.append(np.where(ellipsoids.is_frontier, 1.0, -1.0), 1.0)))
+
+
+def visible_depths(ellipsoids: Ellipsoids, T_world_cam: RigidTransform) -> Float[np.ndarray, "*poses k"]:
+    """Z-depth of each ellipsoid's centre [m]; inf for those wholly behind the camera, which hide nothing."""
+    centres, shapes = in_camera_frame(ellipsoids, T_world_cam)
+    return np.where(centres[..., 2] + np.sqrt(shapes[..., 2, 2]) > 0.0, centres[..., 2], np.inf)
+
+
+def depth_ranks(depths: Float[np.ndarray, "*poses k"]) -> Int[np.ndarray, "*poses k"]:
+    """Rank of each depth within its row, 0 for the nearest; equal depths rank in the order in which they stand."""
+    order = np.argsort(depths, axis=-1, kind="stable")
+    return np.argsort(order, axis=-1)  # the inverse permutation: `order` says who comes first, not who is first
