@@ -1,0 +1,72 @@
+"""What a run leaves: every acquisition with its reason and result, and the clouds made of them."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from franbv.planners import Model
+from franbv.recovery import RecoveryPoses
+from franbv.reflective_regions import Detection
+from franbv.sensing import DepthBurst
+from franbv.stopping import StopReason
+
+Kind = Literal["first", "nbv", "recovery"]
+
+
+@dataclass(frozen=True, eq=False)
+class Acquisition:
+    """One burst, why it was taken, and what it led to."""
+
+    index: int
+    """Counts all acquisitions, from 0."""
+    nbv_iteration: int
+    """0 for the first view; a recovery belongs to the iteration that triggered it."""
+    kind: Kind
+    burst: DepthBurst
+    """As the camera gave it; its pose is `burst.T_world_cam`."""
+    points: Float[np.ndarray, "n 3"]
+    """Points of the burst's median depth in the workspace and above the table, world frame [m]."""
+    model: Model
+    """Map, object and ellipsoids with this burst in them."""
+    utility: float | None
+    """U or U_r of the chosen pose [px^2]; None for the first view."""
+    n_unreachable: int
+    """Candidates that the arm cannot reach."""
+    detection: Detection | None
+    """Reflective regions in this burst; None for recoveries and planners that look for none."""
+    recovery_poses: RecoveryPoses | None
+    """Where the largest region is to be seen from; None if there is none."""
+    gamma: float | None
+    """Gamma of the region after this recovery; None for other kinds."""
+    gamma_attainable: float | None
+    """Gamma over what a surface patch can attain."""
+    planning_s: dict[str, float]
+    """Computing time by stage, from the choice of this pose to the detection in its burst [s]."""
+    sensing_s: float
+    motion_s: float
+
+    @property
+    def activates(self) -> bool:
+        """Whether a reflective region was found and its recovery begun."""
+        return self.recovery_poses is not None
+
+
+@dataclass(frozen=True, eq=False)
+class Reconstruction:
+    """A finished run."""
+
+    acquisitions: tuple[Acquisition, ...]
+    stop: StopReason
+
+    @property
+    def cloud(self) -> Float[np.ndarray, "n 3"]:
+        """All points of all acquisitions, in order, world frame [m]."""
+        return np.concatenate([acquisition.points for acquisition in self.acquisitions])
+
+    @property
+    def is_mapped(self) -> Bool[np.ndarray, "n"]:
+        """Which points of the cloud lie in voxels that are occupied in the final map: the map-filtered cloud."""
+        final = self.acquisitions[-1].model.voxel_map
+        return final.lookup(final.occupied, self.cloud)

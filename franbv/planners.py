@@ -1,0 +1,136 @@
+"""What a next-best-view method is made of: PB-NBV and FRA-NBV as bundles of interchangeable functions.
+
+A planner says how a burst enters the map, what stands in for the object, how views of it are scored and, if it recovers
+reflective regions, how they are found, viewed and judged. The loop in `reconstruction` is the same for all of them.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial.transform import RigidTransform
+
+from franbv.ellipsoids import Ellipsoids, fit_ellipsoids
+from franbv.frames import Intrinsics
+from franbv.object_model import ObjectModel
+from franbv.oriented_box import OrientedBox
+from franbv.parameters import Parameters
+from franbv.recovery import RecoveryPoses, diamond_poses, recovery_index
+from franbv.reflective_regions import (
+    FILTERS,
+    Detection,
+    Filter,
+    Locate,
+    detect_reflective_regions,
+    first_hit_is_frontier,
+)
+from franbv.sensing import DepthBurst
+from franbv.utility import recovery_utility, view_utilities
+from franbv.voxel_map import VoxelMap, burst_depth
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """All that is known after an acquisition."""
+
+    voxel_map: VoxelMap
+    object: ObjectModel
+    ellipsoids: Ellipsoids
+    """E_o and E_f; empty where the planner uses none."""
+
+
+Integrate = Callable[[VoxelMap, DepthBurst, Parameters], VoxelMap]
+Approximate = Callable[[ObjectModel, Parameters, np.random.SeedSequence], Ellipsoids]
+Score = Callable[[Model, Intrinsics, Sequence[RigidTransform], Parameters], Float[np.ndarray, "n"]]
+Detect = Callable[[DepthBurst, Model, Parameters], Detection]
+Poses = Callable[[OrientedBox, RigidTransform, Parameters, Callable[[RigidTransform], bool], float], RecoveryPoses]
+ScoreRecovery = Callable[[Model, OrientedBox, Intrinsics, Sequence[RigidTransform], Parameters], Float[np.ndarray, "n"]]
+Judge = Callable[[Model, Model, OrientedBox, Parameters], tuple[float, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class Recovery:
+    """How reflective regions are found and recovered."""
+
+    detect: Detect
+    """(burst, model with that burst in it, parameters) -> regions, largest first."""
+    poses: Poses
+    """(region, pose that saw it, parameters, reachable, Min-Z [m]) -> recovery poses."""
+    score: ScoreRecovery
+    """(model, region, intrinsics, poses, parameters) -> U_r of each pose [px^2]."""
+    judge: Judge
+    """(model at activation, model now, region, parameters) -> Gamma, and Gamma over what is attainable."""
+
+
+@dataclass(frozen=True, eq=False)
+class Planner:
+    """A next-best-view method."""
+
+    name: str
+    integrate: Integrate
+    """(map, burst, parameters) -> map with the burst in it."""
+    approximate: Approximate
+    """(object, parameters, seed) -> ellipsoids."""
+    score: Score
+    """(model, intrinsics, poses, parameters) -> utility of each pose; larger is better."""
+    recovery: Recovery | None = None
+    """None: missing depth is taken as unexplored, as in PB-NBV."""
+
+
+def pb() -> Planner:
+    """PB-NBV: projected ellipsoid areas (paper, section III)."""
+    return Planner("pb", integrate_median, approximate_by_ellipsoids, score_by_projection)
+
+
+def fra(
+    filters: Sequence[Filter] = FILTERS, locate: Locate = first_hit_is_frontier, poses: Poses = diamond_poses
+) -> Planner:
+    """FRA-NBV: PB-NBV with reflective regions identified and recovered (paper, section V).
+
+    filters: the tests that a pixel must pass; leave one out for an ablation.
+    locate: the last test, which also places the remaining pixels in the world.
+    poses: from where a region is seen again.
+    """
+
+    def detect(burst: DepthBurst, model: Model, parameters: Parameters) -> Detection:
+        return detect_reflective_regions(burst, model.ellipsoids, parameters, filters, locate)
+
+    recovery = Recovery(detect, poses, score_by_region, judge_by_new_voxels)
+    return Planner("fra", integrate_median, approximate_by_ellipsoids, score_by_projection, recovery)
+
+
+PLANNERS: dict[str, Callable[[], Planner]] = {"pb": pb, "fra": fra}
+"""Planners by the name that the studies know them by."""
+
+
+def integrate_median(voxel_map: VoxelMap, burst: DepthBurst, parameters: Parameters) -> VoxelMap:
+    """One insertion per pose: the burst's median depth."""
+    depth = burst_depth(burst, parameters.invalid_share)
+    return voxel_map.updated(depth, burst.intrinsics, burst.T_world_cam, parameters)
+
+
+def approximate_by_ellipsoids(
+    estimate: ObjectModel, parameters: Parameters, seed: np.random.SeedSequence
+) -> Ellipsoids:
+    """E_o and E_f of the object's occupied and frontier voxels."""
+    return fit_ellipsoids(estimate.occupied, estimate.frontier, parameters, seed)
+
+
+def score_by_projection(
+    model: Model, intrinsics: Intrinsics, poses: Sequence[RigidTransform], parameters: Parameters
+) -> Float[np.ndarray, "n"]:
+    """U(x), eq. (2)."""
+    return view_utilities(model.ellipsoids, intrinsics, poses, parameters)
+
+
+def score_by_region(
+    model: Model, region: OrientedBox, intrinsics: Intrinsics, poses: Sequence[RigidTransform], parameters: Parameters
+) -> Float[np.ndarray, "n"]:
+    """U_r(x), eq. (14)."""
+    return np.array([recovery_utility(model.ellipsoids, region, intrinsics, T, parameters) for T in poses])
+
+
+def judge_by_new_voxels(before: Model, now: Model, region: OrientedBox, parameters: Parameters) -> tuple[float, float]:
+    """Gamma, eq. (15), and Gamma over what is attainable."""
+    return recovery_index(before.voxel_map.occupied, now.voxel_map.occupied, region, now.voxel_map, parameters)

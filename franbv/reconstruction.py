@@ -1,0 +1,212 @@
+"""The loop: look, map, detect, recover, choose the next view (paper, fig. 2).
+
+It drives any `DepthCamera` and `Arm`, simulated or real, and any `Planner`. Times are kept per stage; planning is apart
+from sensing and motion.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial.transform import RigidTransform
+
+from franbv.acquisition import Acquisition, Kind, Reconstruction
+from franbv.candidates import candidate_poses, first_view
+from franbv.frames import back_project
+from franbv.object_model import object_model, object_points
+from franbv.oriented_box import OrientedBox
+from franbv.parameters import Parameters
+from franbv.planners import Model, Planner
+from franbv.recovery import RecoveryPoses
+from franbv.reflective_regions import Detection
+from franbv.sensing import Arm, DepthBurst, DepthCamera
+from franbv.stage_clock import StageClock
+from franbv.stopping import StopReason, stop_reason
+from franbv.voxel_map import VoxelMap, burst_depth, empty_map
+
+
+def reconstruct(
+    camera: DepthCamera,
+    arm: Arm,
+    planner: Planner,
+    parameters: Parameters,
+    seed: int,
+    first_azimuth_deg: float = 0.0,
+    observe: Callable[[Acquisition], None] = lambda acquisition: None,
+) -> Reconstruction:
+    """Reconstruct the object in front of the camera.
+
+    seed: root of the planner's own randomness (candidate azimuths, clustering); the camera's noise is its own.
+    observe: called with each acquisition as soon as it is complete.
+    """
+    cell = _Cell(camera, arm, planner, parameters, seed, observe)
+    view = cell.first_view(first_azimuth_deg)
+    model = cell.model_of(empty_map(parameters))
+    best_utilities: list[float] = []
+    while True:
+        iteration = len(best_utilities)  # 0 is the first view
+        burst = cell.look(view.pose)  # (c)
+        model = cell.updated(model, burst)  # (a)
+        detection = cell.detect(burst, model)  # (d, e)
+        recovery_poses = cell.recovery_poses(detection, burst)
+        cell.record("nbv" if iteration else "first", iteration, view, burst, model, detection, recovery_poses)
+        if detection is not None and recovery_poses is not None:
+            model = cell.recovered(model, iteration, detection.boxes[0], recovery_poses)  # (f)
+        stop = stop_reason(best_utilities, parameters)
+        if stop is not None:
+            return Reconstruction(tuple(cell.acquisitions), stop)
+        best = cell.next_best_view(model)  # (b)
+        if best is None:
+            return Reconstruction(tuple(cell.acquisitions), StopReason.NO_REACHABLE_VIEW)
+        view = best
+        best_utilities.append(view.utility)
+
+
+@dataclass(frozen=True, eq=False)
+class _View:
+    """A pose that was chosen."""
+
+    pose: RigidTransform
+    utility: float
+    n_unreachable: int
+
+
+class _Cell:
+    """Camera, arm and planner at work: times every step and keeps every acquisition."""
+
+    def __init__(
+        self,
+        camera: DepthCamera,
+        arm: Arm,
+        planner: Planner,
+        parameters: Parameters,
+        seed: int,
+        observe: Callable[[Acquisition], None],
+    ) -> None:
+        self.camera, self.arm, self.planner, self.parameters, self.observe = camera, arm, planner, parameters, observe
+        self.acquisitions: list[Acquisition] = []
+        self.clock = StageClock()
+        azimuths, choices, self.cluster_seeds = np.random.SeedSequence(seed).spawn(3)
+        self.azimuths, self.choices = np.random.default_rng(azimuths), np.random.default_rng(choices)
+        self.motion_s = 0.0
+
+    def first_view(self, azimuth_deg: float) -> _View:
+        pose = first_view(self.parameters, azimuth_deg)
+        if not self.arm.reachable(pose):
+            raise ValueError(f"the arm cannot reach the first view at azimuth {azimuth_deg} deg: {pose.translation} m")
+        return _View(pose, np.nan, 0)
+
+    def look(self, pose: RigidTransform) -> DepthBurst:
+        """Move there and take a burst."""
+        self.motion_s = self.arm.move_to(pose)
+        with self.clock.timing("sensing"):
+            return self.camera.capture(pose, self.parameters.n_frames)
+
+    def updated(self, model: Model, burst: DepthBurst) -> Model:
+        """The model with the burst in it."""
+        with self.clock.planning("map"):
+            voxel_map = self.planner.integrate(model.voxel_map, burst, self.parameters)
+        return self.model_of(voxel_map)
+
+    def model_of(self, voxel_map: VoxelMap) -> Model:
+        with self.clock.planning("object"):
+            estimate = object_model(voxel_map, self.parameters)
+        with self.clock.planning("ellipsoids"):
+            ellipsoids = self.planner.approximate(estimate, self.parameters, self.cluster_seeds.spawn(1)[0])
+        return Model(voxel_map, estimate, ellipsoids)
+
+    def detect(self, burst: DepthBurst, model: Model) -> Detection | None:
+        if self.planner.recovery is None:
+            return None
+        with self.clock.planning("detection"):
+            return self.planner.recovery.detect(burst, model, self.parameters)
+
+    def recovery_poses(self, detection: Detection | None, burst: DepthBurst) -> RecoveryPoses | None:
+        """Poses that see the largest region; None if there is none."""
+        if self.planner.recovery is None or detection is None or not detection.boxes:
+            return None
+        with self.clock.planning("recovery_poses"):
+            return self.planner.recovery.poses(
+                detection.boxes[0], burst.T_world_cam, self.parameters, self.arm.reachable, self.camera.min_z
+            )
+
+    def recovered(self, model: Model, iteration: int, region: OrientedBox, poses: RecoveryPoses) -> Model:
+        """The model after as many of the recovery poses as it takes until Gamma exceeds tau_rec."""
+        assert self.planner.recovery is not None
+        before, remaining, gamma = model, list(poses.poses), 0.0
+        while remaining and gamma <= self.parameters.recovered_share:
+            with self.clock.planning("score"):
+                utilities = self.planner.recovery.score(
+                    model, region, self.camera.intrinsics, remaining, self.parameters
+                )
+            chosen = self._order(utilities)
+            view = _View(remaining.pop(chosen), float(utilities[chosen]), 0)
+            burst = self.look(view.pose)
+            model = self.updated(model, burst)
+            with self.clock.planning("gamma"):
+                gamma, attainable = self.planner.recovery.judge(before, model, region, self.parameters)
+            self.record("recovery", iteration, view, burst, model, gamma=gamma, gamma_attainable=attainable)
+        return model
+
+    def next_best_view(self, model: Model) -> _View | None:
+        """The reachable candidate of largest utility; None if the arm reaches none."""
+        with self.clock.planning("candidates"):
+            azimuth = self.azimuths.uniform(0.0, 2 * np.pi)
+            candidates = candidate_poses(model.object.box, self.parameters, azimuth)
+        with self.clock.planning("reachability"):
+            reachable = [pose for pose in candidates if self.arm.reachable(pose)]
+        if not reachable:
+            return None
+        with self.clock.planning("score"):
+            utilities = self.planner.score(model, self.camera.intrinsics, reachable, self.parameters)
+        chosen = self._best(utilities)
+        return _View(reachable[chosen], float(utilities[chosen]), len(candidates) - len(reachable))
+
+    def record(
+        self,
+        kind: Kind,
+        iteration: int,
+        view: _View,
+        burst: DepthBurst,
+        model: Model,
+        detection: Detection | None = None,
+        recovery_poses: RecoveryPoses | None = None,
+        gamma: float | None = None,
+        gamma_attainable: float | None = None,
+    ) -> None:
+        """Keep the acquisition and show it to the observer."""
+        depth = burst_depth(burst, self.parameters.invalid_share)
+        points = burst.T_world_cam.apply(back_project(depth, burst.intrinsics))
+        seconds = self.clock.read()
+        sensing_s = seconds.pop("sensing")
+        self.acquisitions.append(
+            Acquisition(
+                index=len(self.acquisitions),
+                nbv_iteration=iteration,
+                kind=kind,
+                burst=burst,
+                points=object_points(points, model.voxel_map, self.parameters),
+                model=model,
+                utility=None if kind == "first" else view.utility,
+                n_unreachable=view.n_unreachable,
+                detection=detection,
+                recovery_poses=recovery_poses,
+                gamma=gamma,
+                gamma_attainable=gamma_attainable,
+                planning_s=seconds,
+                sensing_s=sensing_s,
+                motion_s=self.motion_s,
+            )
+        )
+        self.observe(self.acquisitions[-1])
+
+    def _best(self, utilities: Float[np.ndarray, "n"]) -> int:
+        """Index of the largest; among equals (nothing seen yet) any, so that not one ring is always taken."""
+        return int(self.choices.choice(np.flatnonzero(utilities == utilities.max())))
+
+    def _order(self, utilities: Float[np.ndarray, "n"]) -> int:
+        """Index of the recovery pose to take next."""
+        if self.parameters.recovery_order == "random":
+            return int(self.choices.integers(len(utilities)))
+        return self._best(utilities)

@@ -1,0 +1,167 @@
+"""The whole loop on analytic scenes: what is reconstructed, when recovery fires, what stops it, and that it repeats."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from franbv.evaluation import Reference, history, quality
+from franbv.parameters import Parameters
+from franbv.planners import fra, pb
+from franbv.reconstruction import reconstruct
+from franbv.stopping import StopReason
+
+LOWER, UPPER = np.array([-0.05, -0.04, 0.0]), np.array([0.05, 0.04, 0.07])
+BOX = (tuple(LOWER), tuple(UPPER))
+ROOM = 2.0
+"""Radius of a room around everything [m]: every ray ends somewhere."""
+PARAMETERS = Parameters(n_frames=5, max_iterations=6)
+
+
+def _box_reference():
+    """Points on the five visible faces of the box, about 2.5 mm apart, and the exact distance to its surface."""
+    faces = []
+    for axis, value in [(0, LOWER[0]), (0, UPPER[0]), (1, LOWER[1]), (1, UPPER[1]), (2, UPPER[2])]:
+        sides = [np.linspace(lo, hi, round((hi - lo) / 0.0025)) for lo, hi in zip(LOWER, UPPER, strict=True)]
+        sides[axis] = np.array([value])
+        faces.append(np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3))
+
+    def distance(points):
+        outside = np.maximum(np.maximum(LOWER - points, points - UPPER), 0.0)
+        inside = np.maximum(np.minimum(points - LOWER, UPPER - points).min(axis=1), 0.0)
+        return np.linalg.norm(outside, axis=1) + inside
+
+    return Reference(np.concatenate(faces), distance)
+
+
+def _hole_on_top(points, cosine):
+    """A mirror-like patch on the top face that gives no depth to views within 55 deg of its normal."""
+    on_top = (points[:, 2] > UPPER[2] - 1e-6) & (np.abs(points[:, 0]) < 0.035) & (np.abs(points[:, 1]) < 0.03)
+    return on_top & (cosine > np.cos(np.radians(55)))
+
+
+def _same(first, second):
+    """Byte for byte the same but for the times."""
+    return len(first.acquisitions) == len(second.acquisitions) and all(
+        a.kind == b.kind
+        and a.utility == b.utility
+        and a.gamma == b.gamma
+        and np.array_equal(a.burst.depths, b.burst.depths)
+        and np.array_equal(a.burst.T_world_cam.as_matrix(), b.burst.T_world_cam.as_matrix())
+        and np.array_equal(a.points, b.points)
+        and np.array_equal(a.model.voxel_map.log_odds, b.model.voxel_map.log_odds)
+        and np.array_equal(a.model.ellipsoids.shapes, b.model.ellipsoids.shapes)
+        for a, b in zip(first.acquisitions, second.acquisitions, strict=True)
+    )
+
+
+def test_a_matte_box_is_reconstructed(analytic_camera, free_arm):
+    """Every face of a convex box stands open to the hemisphere: six views cover 95 % of it, to well under a voxel."""
+    seen = []
+    run = reconstruct(analytic_camera((BOX,)), free_arm(), pb(), PARAMETERS, seed=1, observe=seen.append)
+    result = quality(_box_reference(), run.cloud)
+    assert result.coverage[0.005] > 0.95
+    assert quality(_box_reference(), run.cloud[run.is_mapped]).coverage[0.005] > 0.9
+    assert result.accuracy_mean < 0.001  # the noise is 0.5 mm
+    assert [a.index for a in seen] == list(range(len(run.acquisitions)))
+    assert [a.kind for a in seen] == ["first"] + ["nbv"] * (len(seen) - 1)
+    assert [a.nbv_iteration for a in seen] == list(range(len(seen)))
+
+
+def test_same_seed_same_bytes(analytic_camera, free_arm):
+    """Two runs from one seed agree in every depth, pose, point, voxel and ellipsoid; another seed gives other views."""
+    parameters = replace_parameters(max_iterations=3)
+    once, again, other = (
+        reconstruct(analytic_camera((BOX,), hole=_hole_on_top), free_arm(), fra(), parameters, seed=seed)
+        for seed in (3, 3, 4)
+    )
+    assert _same(once, again)
+    assert not _same(once, other)
+
+
+def test_recovery_fires_on_a_hole_and_not_without(analytic_camera, free_arm):
+    """A patch without depth sets off recoveries; where every ray has depth there is nothing to recover."""
+    with_hole = reconstruct(
+        analytic_camera((BOX,), room=ROOM, hole=_hole_on_top), free_arm(), fra(), PARAMETERS, seed=1
+    )
+    without = reconstruct(analytic_camera((BOX,), room=ROOM), free_arm(), fra(), PARAMETERS, seed=1)
+    assert history(_box_reference(), with_hole.acquisitions).n_activations > 0
+    assert history(_box_reference(), without.acquisitions).n_activations == 0
+    assert all(a.kind != "recovery" for a in without.acquisitions)
+
+
+def test_recoveries_belong_to_their_iteration(analytic_camera, free_arm):
+    """Recoveries follow the acquisition that set them off, at most four, and do not count as NBV iterations.
+
+    Each but the last of its series leaves Gamma at or below tau_rec.
+    """
+    run = reconstruct(analytic_camera((BOX,), hole=_hole_on_top), free_arm(), fra(), PARAMETERS, seed=1)
+    nbv = [a for a in run.acquisitions if a.kind == "nbv"]
+    assert [a.nbv_iteration for a in nbv] == list(range(1, len(nbv) + 1))
+    for trigger in run.acquisitions:
+        series = [a for a in run.acquisitions if a.kind == "recovery" and a.nbv_iteration == trigger.nbv_iteration]
+        if trigger.kind == "recovery":
+            continue
+        assert bool(series) <= trigger.activates
+        assert len(series) <= 4
+        assert [a.index for a in series] == [trigger.index + 1 + k for k in range(len(series))]
+        assert all(a.gamma is not None and a.gamma <= PARAMETERS.recovered_share for a in series[:-1])
+
+
+def test_without_recovery_fra_is_pb(analytic_camera, free_arm):
+    """Where no pixel lacks depth, FRA-NBV takes the same views as PB-NBV to the last bit: it only adds."""
+    parameters = replace_parameters(max_iterations=3)
+    first, second = (
+        reconstruct(analytic_camera((BOX,), room=ROOM), free_arm(), planner, parameters, seed=2)
+        for planner in (pb(), fra())
+    )
+    assert _same(first, second)
+
+
+def test_a_bare_table_runs_to_the_end(analytic_camera, free_arm):
+    """With nothing to see the prior box is looked at until N_max; the cloud stays empty and the utility 0."""
+    run = reconstruct(analytic_camera(), free_arm(), fra(), replace_parameters(max_iterations=2), seed=0)
+    assert run.stop == StopReason.MAX_ITERATIONS
+    assert len(run.cloud) == 0
+    assert run.acquisitions[-1].model.object.is_prior
+    assert [a.utility for a in run.acquisitions] == [None, 0.0, 0.0]
+
+
+def test_an_arm_that_reaches_nothing_else_stops_the_run(analytic_camera, free_arm):
+    """If no candidate can be reached the run ends after the first view and says so; without a first view it refuses."""
+    arm = free_arm()
+    arm.clearance = 0.29  # the first view stands at 0.31 m, and the next ones are nearer to the box
+    run = reconstruct(analytic_camera((BOX,)), arm, pb(), replace_parameters(polar_min_deg=60.0), seed=0)
+    assert run.stop == StopReason.NO_REACHABLE_VIEW
+    assert len(run.acquisitions) == 1
+    arm.clearance = 1.0
+    with pytest.raises(ValueError, match="first view"):
+        reconstruct(analytic_camera((BOX,)), arm, pb(), PARAMETERS, seed=0)
+
+
+def test_times_are_apart(analytic_camera, free_arm):
+    """Motion is the arm's own figure (path length at 0.25 m/s here); planning stages are named and exclude sensing."""
+    run = reconstruct(analytic_camera((BOX,)), free_arm(), pb(), replace_parameters(max_iterations=2), seed=0)
+    at = np.array([[0.0, 0.0, 0.5], *(a.burst.T_world_cam.translation for a in run.acquisitions)])
+    steps = np.linalg.norm(np.diff(at, axis=0), axis=1)
+    np.testing.assert_allclose([a.motion_s for a in run.acquisitions], steps / 0.25)
+    for acquisition in run.acquisitions:
+        assert acquisition.sensing_s > 0
+        assert {"map", "object", "ellipsoids"} <= set(acquisition.planning_s)
+        assert "sensing" not in acquisition.planning_s
+
+
+def test_parts_are_interchangeable(analytic_camera, free_arm):
+    """A planner with another score is another method: one that prefers height takes the highest candidate each time."""
+    highest = replace(
+        pb(), name="highest", score=lambda model, intrinsics, poses, p: np.array([T.translation[2] for T in poses])
+    )
+    run = reconstruct(analytic_camera((BOX,)), free_arm(), highest, replace_parameters(max_iterations=2), seed=0)
+    for acquisition in run.acquisitions[1:]:
+        axis = acquisition.burst.T_world_cam.rotation.as_matrix()[:, 2]
+        assert np.degrees(np.arccos(-axis[2])) == pytest.approx(PARAMETERS.polar_min_deg)
+
+
+def replace_parameters(**changes):
+    """The tests' parameters with some changed."""
+    return PARAMETERS.model_copy(update=changes)
