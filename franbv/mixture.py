@@ -26,8 +26,8 @@ REGULARISATION = 1.0 / 12.0
 collapses on a single voxel with unbounded likelihood."""
 
 Covariance = Literal["spherical", "full"]
-Parts = tuple[Float[np.ndarray, "k"], Float[np.ndarray, "k 3"], Float[np.ndarray, "k 3 3"]]
-"""Weights, means and covariances."""
+Parts = tuple[Float[np.ndarray, "_"], Float[np.ndarray, "_ 3"], Float[np.ndarray, "_ 3 3"]]
+"""Weights (k,), means (k, 3) and covariances (k, 3, 3) of a mixture; k differs from start to start."""
 
 
 @dataclass(frozen=True, eq=False)
