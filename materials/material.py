@@ -88,7 +88,7 @@ class Matte:
 
 @dataclass(frozen=True)
 class Measured:
-    """A measured RGL `.bsdf` file (Dupuy and Jakob 2018), sampled at 850 nm or its nearest stored wavelength."""
+    """A measured spectral RGL `.bsdf` file (Dupuy and Jakob 2018), interpolated to 850 nm."""
 
     name: str
     path: Path

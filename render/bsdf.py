@@ -5,6 +5,7 @@ from typing import Any
 
 from materials.material import Material, Matte, Measured, RoughConductor, RoughPlastic
 from render.conductor import conductor_description
+from render.measured_bsdf import measured_description
 
 
 def bsdf_description(material: Material) -> dict[str, Any]:
@@ -33,7 +34,7 @@ def _one_sided(material: Material) -> dict[str, Any]:
         case RoughConductor():
             return _conductor(material)
         case Measured(path=path):
-            return {"type": "measured", "filename": str(path)}
+            return measured_description(path)
 
 
 def _conductor(metal: RoughConductor) -> dict[str, Any]:
