@@ -1,4 +1,4 @@
-"""Gaussian mixtures: parameter counts by hand, EM step for step with scikit-learn, the search over K against its own."""
+"""Gaussian mixtures: parameters counted by hand, EM step for step with scikit-learn, its search over K beside ours."""
 
 import numpy as np
 import pytest
@@ -23,6 +23,13 @@ from franbv.parameters import Parameters
 from franbv.voxel_map import burst_depth, empty_map
 
 PARAMETERS = Parameters()
+
+
+@pytest.fixture(autouse=True)
+def _one_thread():
+    """Fits this small are many times slower on several threads that share their cores."""
+    with threadpool_limits(1):
+        yield
 
 
 def scikit(k: int, covariance: str, seed: int = 0, **start) -> GaussianMixture:

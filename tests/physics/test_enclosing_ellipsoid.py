@@ -62,7 +62,7 @@ def smallest_volume(points):
 
 def test_cube_has_its_circumscribed_sphere():
     """A cube of side 1: the sphere of radius sqrt(3)/2 about its centre."""
-    centre, shape = one(CUBE + [3.0, -2.0, 5.0])
+    centre, shape = one(CUBE + np.array([3.0, -2.0, 5.0]))
     np.testing.assert_allclose(centre, [3.0, -2.0, 5.0], atol=1e-9)
     np.testing.assert_allclose(shape, 0.75 * np.eye(3), rtol=TOLERANCE, atol=1e-9)
 
