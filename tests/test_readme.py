@@ -1,0 +1,33 @@
+"""What the README shows works as it is shown."""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+from studies.cli import COMMANDS
+from tests.conftest import ROOT
+
+TEXT = (ROOT / "README.md").read_text()
+
+
+def test_its_commands_and_links_exist():
+    """Every `franbv X` is a command, every `make X` a target, every link into the repository a file or folder."""
+    assert set(re.findall(r"\bfranbv ([a-z]+)", TEXT)) <= set(COMMANDS)
+    targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    assert set(re.findall(r"^    make ([a-z-]+)", TEXT, re.MULTILINE)) <= targets
+    links = [link for link in re.findall(r"\]\(([^)]+)\)", TEXT) if not link.startswith("https://")]
+    assert [link for link in links if not (ROOT / link).exists()] == []
+
+
+@pytest.mark.slow
+def test_its_python_example_runs(tmp_path):
+    """The block as it stands, in a process of its own; it prints one line."""
+    (block,) = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
+    command = [sys.executable, "-W", "error", "-c", block]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert re.fullmatch(r"\d+ views, \d+ points, stopped by \w+\n", done.stdout)
