@@ -1,0 +1,162 @@
+"""The committed parts: closed, outward, at rest, of the stated size and hash, with true normals and lay."""
+
+import numpy as np
+import pytest
+
+from materials.input_error import InputError
+from scenes.mesh_files import content_hash
+from scenes.part_materials import PartMaterials, part_materials, with_part_materials
+from scenes.parts import MESH_FOLDER, PART_NAMES, manifest, part_bodies, part_description
+from scenes.scene import Body
+from scenes.topology import open_edge_count, signed_volume
+from tests.scenes.tangents import centres, u_directions, unit_normals
+
+BODIES = [(part, body.name) for part in PART_NAMES for body in part_bodies(part)]
+FLOAT32_GRAIN = 2e-8
+"""Positions are stored in float32 metres; one step at 0.1 m is 7e-9 m."""
+LARGEST_FILE = 300_000
+
+
+def body_of(part: str, name: str) -> Body:
+    return next(body for body in part_bodies(part) if body.name == name)
+
+
+@pytest.mark.parametrize(("part", "name"), BODIES)
+def test_body_is_closed_and_outward(part, name):
+    """A solid's every edge is run once each way, and by the divergence theorem its outward volume is positive."""
+    mesh = body_of(part, name).mesh
+    assert open_edge_count(mesh) == 0
+    assert signed_volume(mesh.vertices, mesh.faces) > 0
+
+
+@pytest.mark.parametrize(("part", "name"), BODIES)
+def test_normals_are_unit_and_near_the_triangles(part, name):
+    """Facets turn by 8.6 deg at most on round surfaces, so normals lie within 10 deg; only tight fillets and threads
+    differ more. Measured by area, since slivers in fillets have no area to speak of."""
+    mesh = body_of(part, name).mesh
+    assert mesh.normals is not None
+    np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=1e-12)
+    a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    cosine = np.einsum("ij,ikj->ik", unit_normals(mesh), mesh.normals[mesh.faces]).min(axis=1)
+    allowed_deg, allowed_share = (20, 0.01) if name == "nipple" else (10, 0.015)
+    assert area[cosine < np.cos(np.deg2rad(allowed_deg))].sum() < allowed_share * area.sum()
+
+
+@pytest.mark.parametrize("part", PART_NAMES)
+def test_part_rests_centred_on_the_table(part):
+    """Lowest point at z = 0, bounding box over the origin, longest side 8 to 20 cm, as the manifest says."""
+    corners = np.concatenate([body.mesh.vertices for body in part_bodies(part)])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    assert abs(low[2]) < FLOAT32_GRAIN
+    np.testing.assert_allclose((low + high)[:2] / 2, 0, atol=FLOAT32_GRAIN)
+    assert 0.08 <= (high - low).max() <= 0.20
+    np.testing.assert_allclose(high - low, manifest()["parts"][part]["size"], atol=1e-4)
+
+
+def test_files_are_those_of_the_manifest():
+    """Every committed file is small and its content has the hash that the authoring script wrote down."""
+    entries = [body for part in manifest()["parts"].values() for body in part["bodies"]]
+    assert sorted(entry["file"] for entry in entries) == sorted(path.name for path in MESH_FOLDER.glob("*.npz"))
+    for entry in entries:
+        path = MESH_FOLDER / entry["file"]
+        assert path.stat().st_size < LARGEST_FILE
+        assert content_hash(path) == entry["sha256"]
+
+
+def test_cuboid_and_block_have_the_drawn_volume():
+    """A: 120 x 80 x 60 mm less the 1.5 mm fillets: each edge loses (1 - pi/4) r^2 per length, which two triply counted
+    corners change by under 0.01 %. C: outline area times 70 mm less the slanted prism and 0.5 mm chamfers (< 0.2 %)."""
+    cuboid = body_of("A", "cuboid").mesh
+    fillets = (1 - np.pi / 4) * 1.5**2 * 4 * (120 + 80 + 60)
+    assert signed_volume(cuboid.vertices, cuboid.faces) * 1e9 == pytest.approx(120 * 80 * 60 - fillets, rel=2e-4)
+    block = body_of("C", "block").mesh
+    z = (np.arange(5500) + 0.5) / 100  # slices of 0.01 mm
+    left = np.where(z < 26.13, -60, -60 + (z - 26.13) * 50 / 28.87)
+    right = np.where(z < 20, 60, 60 - (z - 20))
+    depth = 70 - np.maximum(z - 20, 0) * np.tan(np.deg2rad(20))
+    drawn = np.sum((right - left) * depth) / 100
+    assert signed_volume(block.vertices, block.faces) * 1e9 == pytest.approx(drawn, rel=2e-3)
+
+
+def test_catalogue_geometry_has_its_standard_sizes():
+    """ISO 4762: an M6 head is 10 mm wide (10.22 knurled) and 6 mm high. ISO 228-1: G1/2 has crests of 20.955 mm and
+    roots of 18.631 mm diameter."""
+    screws = body_of("D", "screws").mesh.vertices
+    first = screws[(screws[:, 0] < 0) & (screws[:, 1] < 0)] * 1000
+    assert 10.0 <= np.ptp(first[:, 1]) <= 10.22
+    assert first[:, 2].max() - 38 == pytest.approx(6.0, abs=0.01)
+    nipple = body_of("D", "nipple").mesh.vertices * 1000
+    axis = nipple[np.abs(nipple[:, 2] - nipple[:, 2].max()) < 1e-3][:, :2]
+    axis = (axis.min(axis=0) + axis.max(axis=0)) / 2
+    free = nipple[(nipple[:, 2] > 48) & (nipple[:, 2] < 56)]
+    radius = np.linalg.norm(free[:, :2] - axis, axis=1)
+    outside = radius[radius > 9]
+    assert 2 * outside.max() == pytest.approx(20.955, abs=0.02)
+    assert 2 * outside.min() == pytest.approx(18.631, abs=0.02)
+
+
+def test_lay_of_the_block_runs_along_each_face():
+    """The block's top flat is 70 mm less the slant deep and 35 mm long, so it is milled across (y); its front face,
+    120 mm long, along x. Tilted faces keep their lay in their plane."""
+    mesh = body_of("C", "block").mesh
+    u, normal, centre = u_directions(mesh), unit_normals(mesh), centres(mesh)
+    np.testing.assert_allclose(np.einsum("ij,ij->i", u, normal), 0, atol=1e-6)
+    front = normal[:, 1] < -0.999
+    top = (normal[:, 2] > 0.999) & (centre[:, 2] > 0.054)
+    assert front.any()
+    assert top.any()
+    np.testing.assert_allclose(np.abs(u[front, 0]), 1, atol=1e-6)
+    np.testing.assert_allclose(np.abs(u[top, 1]), 1, atol=1e-6)
+
+
+def test_lay_of_turned_surfaces_runs_round_the_axis():
+    """A lathe's marks are circles: on the pipe's outside u is square to the pipe's axis and to its radius."""
+    mesh = body_of("D", "union").mesh
+    u, normal = u_directions(mesh), unit_normals(mesh)
+    top = mesh.vertices[:, 2].max()
+    side = (np.abs(normal[:, 2]) < 1e-6) & (centres(mesh)[:, 2] > top - 0.012)
+    assert side.sum() > 40
+    np.testing.assert_allclose(u[side, 2], 0, atol=1e-6)
+
+
+def test_parts_are_made_of_the_real_things_materials():
+    """A is painted (diffuse), C milled steel (anisotropic), D's fittings polished; B mixes metals and plastic."""
+    kinds = {part: {body.name: type(body.material).__name__ for body in part_bodies(part)} for part in PART_NAMES}
+    assert kinds["A"] == {"cuboid": "Matte"}
+    assert set(kinds["B"].values()) == {"RoughConductor", "RoughPlastic"}
+    assert body_of("C", "block").material.name == "iron:milled"
+    assert {body_of("D", n).material.name for n in ("elbow", "tee", "union")} == {"stainless_austenitic:polished"}
+    assert all(part_description(part) for part in PART_NAMES)
+
+
+def test_unknown_part_is_named():
+    """One line with thing and mend."""
+    with pytest.raises(InputError, match=r"^part E: there is none; choose A, B, C or D$"):
+        part_bodies("E")
+
+
+def test_materials_by_word():
+    """The last word wins; a body's own word beats the one for all; `@alpha=` is not an assignment."""
+    chosen = part_materials(["iron:ground", "brass:ground@alpha=0.1", "coil=rubber", "screws=iron:blasted@alpha=0.3"])
+    bodies = {body.name: body.material for body in with_part_materials("part B", part_bodies("B"), chosen)}
+    assert bodies["coil"].name == "rubber"
+    assert bodies["screws"].name == "iron:blasted@alpha=0.3"
+    assert bodies["valve_body"].name == "brass:ground@alpha=0.1"
+    kept = {body.name: body.material for body in with_part_materials("part B", part_bodies("B"), PartMaterials())}
+    assert kept["coil"].name == "black_plastic"
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["bolt=rubber"], r"^part D: there is no body bolt to give a material to; known: manifold, .*$"),
+        (["=rubber"], r"^=rubber: cannot tell body from material; write body=metal:finish$"),
+        (["screws="], r"^screws=: cannot tell body from material; write body=metal:finish$"),
+        (["elbow=steel:shiny"], r"^steel:shiny: unknown material; "),
+    ],
+)
+def test_bad_material_words_are_named(words, message):
+    """One line with thing, place and mend."""
+    with pytest.raises(InputError, match=message):
+        with_part_materials("part D", part_bodies("D"), part_materials(words))
