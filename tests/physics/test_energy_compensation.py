@@ -71,7 +71,7 @@ def test_it_is_the_integral_of_the_brdf_over_outgoing_directions(alpha, azimuth,
 @pytest.mark.parametrize("alpha", ROUGHNESSES)
 def test_the_table_interpolates_what_it_was_made_from(alpha):
     """Between its nodes the table must follow the integral, in all four quadrants alike."""
-    cos_theta = np.linspace(0.02, 1.0, 57)
+    cos_theta = np.linspace(0.02, 1.0, 23)
     for azimuth in (0.0, 0.5, 1.2, np.pi / 2):
         expected = directional_albedo(cos_theta, *alpha, azimuth)
         for mirrored in (azimuth, -azimuth, np.pi - azimuth, np.pi + azimuth):
@@ -129,7 +129,7 @@ def test_total_reflectance_of_a_real_metal_agrees_with_the_walk(metal, alpha):
     bounce alone is compared too, so that the test cannot pass where there is nothing to compensate."""
     row, fresnel = METALS[metal], metal_fresnel(metal)
     table, theta, azimuth = albedo_table(*alpha), 0.6435, 0.5
-    leaving, _ = walk(direction(theta, azimuth), direction(0.0), alpha, fresnel, 60_000, np.random.default_rng(5))
+    leaving, _ = walk(direction(theta, azimuth), direction(0.0), alpha, fresnel, 40_000, np.random.default_rng(5))
     reflectance = multiple_scattering_reflectance(table.mean, row.n, row.k)
     compensated = leaving[1] + reflectance * (1.0 - table.at(np.array([0.8]), azimuth)[0])
     assert compensated == pytest.approx(leaving.sum(), abs=0.015)
@@ -140,11 +140,11 @@ def test_total_reflectance_of_a_real_metal_agrees_with_the_walk(metal, alpha):
 @pytest.mark.parametrize("alpha", [0.1, 0.3, 0.6])
 def test_light_returned_to_its_source_agrees_with_the_walk(metal, alpha):
     """A projector sits beside its camera: what matters is the light that a tilted metal sends back. With the lobe it is
-    within 6 % of the walk at 30 deg (its noise is 1 %); one bounce alone is darker by 4 to 45 %, the scaled one by 5 to
+    within 6 % of the walk at 30 deg (its noise is 1.5 %); one bounce alone is darker by 4 to 45 %, the scaled one by 5 to
     12 %."""
     row, fresnel = METALS[metal], metal_fresnel(metal)
     towards = direction(np.deg2rad(30.0))
-    _, returned = walk(towards, towards, (alpha, alpha), fresnel, 100_000, np.random.default_rng(11))
+    _, returned = walk(towards, towards, (alpha, alpha), fresnel, 50_000, np.random.default_rng(11))
     single = one_bounce(towards, towards, (alpha, alpha), fresnel)[0]
     table = albedo_table(alpha, alpha)
     albedo = table.at(towards[2:])
@@ -158,10 +158,10 @@ def test_light_returned_to_its_source_agrees_with_the_walk(metal, alpha):
 
 @pytest.mark.parametrize("alpha", [0.1, 0.3, 0.6])
 def test_steeper_tilts_get_nearer_to_the_walk_than_without_the_lobe(alpha):
-    """At 45 deg the lobe's wide shape gives too much back, by up to 16 % (noise 1 %); one bounce alone misses more."""
+    """At 45 deg the lobe's wide shape gives too much back, by up to 16 % (noise 1.5 %); one bounce alone misses more."""
     row, fresnel = METALS["aluminium"], metal_fresnel("aluminium")
     towards = direction(np.deg2rad(45.0))
-    _, returned = walk(towards, towards, (alpha, alpha), fresnel, 100_000, np.random.default_rng(12))
+    _, returned = walk(towards, towards, (alpha, alpha), fresnel, 50_000, np.random.default_rng(12))
     single = one_bounce(towards, towards, (alpha, alpha), fresnel)[0]
     table = albedo_table(alpha, alpha)
     albedo = table.at(towards[2:])
