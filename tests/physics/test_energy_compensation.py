@@ -140,8 +140,8 @@ def test_total_reflectance_of_a_real_metal_agrees_with_the_walk(metal, alpha):
 @pytest.mark.parametrize("alpha", [0.1, 0.3, 0.6])
 def test_light_returned_to_its_source_agrees_with_the_walk(metal, alpha):
     """A projector sits beside its camera: what matters is the light that a tilted metal sends back. With the lobe it is
-    within 6 % of the walk at 30 deg (its noise is 1.5 %); one bounce alone is darker by 4 to 45 %, the scaled one by 5 to
-    12 %."""
+    within 6 % of the walk at 30 deg (its noise is 1.5 %); one bounce alone is darker by 4 to 45 %, the scaled one by 5
+    to 12 %."""
     row, fresnel = METALS[metal], metal_fresnel(metal)
     towards = direction(np.deg2rad(30.0))
     _, returned = walk(towards, towards, (alpha, alpha), fresnel, 50_000, np.random.default_rng(11))
@@ -158,7 +158,7 @@ def test_light_returned_to_its_source_agrees_with_the_walk(metal, alpha):
 
 @pytest.mark.parametrize("alpha", [0.1, 0.3, 0.6])
 def test_steeper_tilts_get_nearer_to_the_walk_than_without_the_lobe(alpha):
-    """At 45 deg the lobe's wide shape gives too much back, by up to 16 % (noise 1.5 %); one bounce alone misses more."""
+    """At 45 deg the lobe's wide shape gives too much back, by up to 16 % (noise 1.5 %); one bounce misses more."""
     row, fresnel = METALS["aluminium"], metal_fresnel("aluminium")
     towards = direction(np.deg2rad(45.0))
     _, returned = walk(towards, towards, (alpha, alpha), fresnel, 50_000, np.random.default_rng(12))
