@@ -27,7 +27,7 @@ class VoxelMap:
     voxel_size: float
     """s_v [m]."""
     log_odds: Float[np.ndarray, "x y z"]
-    """ln(p / (1 - p)) of each voxel; 0 where nothing is known."""
+    """ln(p / (1 - p)) of each voxel, float32 (a run keeps one map per acquisition); 0 where nothing is known."""
 
     @property
     def occupied(self) -> Bool[np.ndarray, "x y z"]:
@@ -93,7 +93,7 @@ def empty_map(parameters: Parameters) -> VoxelMap:
     """The workspace with nothing known."""
     first = np.round(np.array(parameters.workspace_min) / parameters.voxel_size).astype(np.int64)
     last = np.round(np.array(parameters.workspace_max) / parameters.voxel_size).astype(np.int64)
-    return VoxelMap(first, parameters.voxel_size, np.zeros(last - first + 1))
+    return VoxelMap(first, parameters.voxel_size, np.zeros(last - first + 1, np.float32))
 
 
 def burst_depth(burst: DepthBurst, invalid_share: float = 0.5) -> Float[np.ndarray, "h w"]:

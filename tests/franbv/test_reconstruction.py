@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 from franbv.evaluation import Reference, history, quality
+from franbv.frames import look_at
 from franbv.parameters import Parameters
-from franbv.planners import fra, pb
+from franbv.planners import Recovery, fra, pb
 from franbv.reconstruction import reconstruct
+from franbv.recovery import RecoveryPoses
+from franbv.reflective_regions import detect_reflective_regions
 from franbv.stopping import StopReason
 
 LOWER, UPPER = np.array([-0.05, -0.04, 0.0]), np.array([0.05, 0.04, 0.07])
@@ -70,7 +73,7 @@ def test_a_matte_box_is_reconstructed(analytic_camera, free_arm):
 
 def test_same_seed_same_bytes(analytic_camera, free_arm):
     """Two runs from one seed agree in every depth, pose, point, voxel and ellipsoid; another seed gives other views."""
-    parameters = replace_parameters(max_iterations=3)
+    parameters = _parameters(max_iterations=3)
     once, again, other = (
         reconstruct(analytic_camera((BOX,), hole=_hole_on_top), free_arm(), fra(), parameters, seed=seed)
         for seed in (3, 3, 4)
@@ -110,7 +113,7 @@ def test_recoveries_belong_to_their_iteration(analytic_camera, free_arm):
 
 def test_without_recovery_fra_is_pb(analytic_camera, free_arm):
     """Where no pixel lacks depth, FRA-NBV takes the same views as PB-NBV to the last bit: it only adds."""
-    parameters = replace_parameters(max_iterations=3)
+    parameters = _parameters(max_iterations=3)
     first, second = (
         reconstruct(analytic_camera((BOX,), room=ROOM), free_arm(), planner, parameters, seed=2)
         for planner in (pb(), fra())
@@ -120,7 +123,7 @@ def test_without_recovery_fra_is_pb(analytic_camera, free_arm):
 
 def test_a_bare_table_runs_to_the_end(analytic_camera, free_arm):
     """With nothing to see the prior box is looked at until N_max; the cloud stays empty and the utility 0."""
-    run = reconstruct(analytic_camera(), free_arm(), fra(), replace_parameters(max_iterations=2), seed=0)
+    run = reconstruct(analytic_camera(), free_arm(), fra(), _parameters(max_iterations=2), seed=0)
     assert run.stop == StopReason.MAX_ITERATIONS
     assert len(run.cloud) == 0
     assert run.acquisitions[-1].model.object.is_prior
@@ -131,7 +134,7 @@ def test_an_arm_that_reaches_nothing_else_stops_the_run(analytic_camera, free_ar
     """If no candidate can be reached the run ends after the first view and says so; without a first view it refuses."""
     arm = free_arm()
     arm.clearance = 0.29  # the first view stands at 0.31 m, and the next ones are nearer to the box
-    run = reconstruct(analytic_camera((BOX,)), arm, pb(), replace_parameters(polar_min_deg=60.0), seed=0)
+    run = reconstruct(analytic_camera((BOX,)), arm, pb(), _parameters(polar_min_deg=60.0), seed=0)
     assert run.stop == StopReason.NO_REACHABLE_VIEW
     assert len(run.acquisitions) == 1
     arm.clearance = 1.0
@@ -141,7 +144,7 @@ def test_an_arm_that_reaches_nothing_else_stops_the_run(analytic_camera, free_ar
 
 def test_times_are_apart(analytic_camera, free_arm):
     """Motion is the arm's own figure (path length at 0.25 m/s here); planning stages are named and exclude sensing."""
-    run = reconstruct(analytic_camera((BOX,)), free_arm(), pb(), replace_parameters(max_iterations=2), seed=0)
+    run = reconstruct(analytic_camera((BOX,)), free_arm(), pb(), _parameters(max_iterations=2), seed=0)
     at = np.array([[0.0, 0.0, 0.5], *(a.burst.T_world_cam.translation for a in run.acquisitions)])
     steps = np.linalg.norm(np.diff(at, axis=0), axis=1)
     np.testing.assert_allclose([a.motion_s for a in run.acquisitions], steps / 0.25)
@@ -153,15 +156,73 @@ def test_times_are_apart(analytic_camera, free_arm):
 
 def test_parts_are_interchangeable(analytic_camera, free_arm):
     """A planner with another score is another method: one that prefers height takes the highest candidate each time."""
-    highest = replace(
-        pb(), name="highest", score=lambda model, intrinsics, poses, p: np.array([T.translation[2] for T in poses])
-    )
-    run = reconstruct(analytic_camera((BOX,)), free_arm(), highest, replace_parameters(max_iterations=2), seed=0)
+    highest = replace(pb(), name="highest", score=lambda model, intrinsics, poses, p: _heights(poses))
+    run = reconstruct(analytic_camera((BOX,)), free_arm(), highest, _parameters(max_iterations=2), seed=0)
     for acquisition in run.acquisitions[1:]:
         axis = acquisition.burst.T_world_cam.rotation.as_matrix()[:, 2]
         assert np.degrees(np.arccos(-axis[2])) == pytest.approx(PARAMETERS.polar_min_deg)
 
 
-def replace_parameters(**changes):
+@pytest.mark.parametrize(("gammas", "taken"), [([0.31], 1), ([0.1, 0.3, 0.31], 3), ([0.0] * 4, 4)])
+def test_recovery_ends_when_gamma_exceeds_tau(analytic_camera, free_arm, gammas, taken):
+    """Poses are taken until Gamma > 0.3 (0.3 itself is not enough) or none is left, the rest re-scored each time."""
+    offered = []
+    planner = _scripted(
+        gammas, lambda model, region, intrinsics, poses, p: offered.append(len(poses)) or _heights(poses)
+    )
+    run = reconstruct(analytic_camera((BOX,)), free_arm(), planner, _parameters(max_iterations=1), seed=0)
+    series = [a for a in run.acquisitions if a.kind == "recovery"]
+    assert [a.gamma for a in series] == gammas
+    assert offered == [4, 3, 2, 1][:taken]
+    # The highest of the four comes first, as this score wants it.
+    assert [round(a.burst.T_world_cam.translation[2], 6) for a in series] == [0.33, 0.32, 0.31, 0.30][:taken]
+    assert [a.nbv_iteration for a in series] == [0] * taken
+
+
+def test_random_order_takes_the_same_poses_otherwise(analytic_camera, free_arm):
+    """The ablation visits all four poses in an order that depends on the seed and not on the utility."""
+    orders = set()
+    for seed in (0, 1):
+        parameters = _parameters(max_iterations=1, recovery_order="random", max_components=3)
+        planner = _scripted([0.0] * 4, lambda model, region, intrinsics, poses, p: _heights(poses))
+        run = reconstruct(analytic_camera((BOX,)), free_arm(), planner, parameters, seed=seed)
+        heights = [round(a.burst.T_world_cam.translation[2], 6) for a in run.acquisitions if a.kind == "recovery"]
+        assert sorted(heights) == [0.30, 0.31, 0.32, 0.33]
+        orders.add(tuple(heights))
+    assert len(orders) == 2
+
+
+def test_unreachable_candidates_are_left_out_and_counted(analytic_camera, free_arm):
+    """An arm that cannot go below 0.15 m misses the lowest ring, 11 poses at about 0.03 + 0.28 cos 80 deg = 0.08 m."""
+    arm = free_arm()
+    arm.clearance = 0.15
+    run = reconstruct(analytic_camera((BOX,)), arm, pb(), _parameters(max_iterations=2), seed=0)
+    assert [a.n_unreachable for a in run.acquisitions] == [0, 11, 11]
+    assert all(a.burst.T_world_cam.translation[2] >= 0.15 for a in run.acquisitions)
+
+
+def _scripted(gammas, score):
+    """FRA-NBV that finds one region in its first burst only, offers four poses and is told its Gammas."""
+    remaining, bursts = list(gammas), []
+
+    def detect(burst, model, parameters):
+        bursts.append(burst)
+        boxes = (model.object.box,) if len(bursts) == 1 else ()
+        return replace(detect_reflective_regions(burst, model.ellipsoids, parameters), boxes=boxes)
+
+    def poses(region, T_world_cam, parameters, reachable, min_z):
+        eyes = [np.array([0.1 * np.cos(k), 0.1 * np.sin(k), 0.30 + 0.01 * k]) for k in (2, 0, 3, 1)]
+        aimed = tuple(look_at(eye, region.centre) for eye in eyes)
+        return RecoveryPoses(aimed, region.centre, np.array([0.0, 0.0, 1.0]), False, 0, 0, 0, 0)
+
+    recovery = Recovery(detect, poses, score, lambda before, now, region, p: (remaining.pop(0), 0.0))
+    return replace(fra(), recovery=recovery)
+
+
+def _heights(poses):
+    return np.array([T.translation[2] for T in poses])
+
+
+def _parameters(**changes):
     """The tests' parameters with some changed."""
     return PARAMETERS.model_copy(update=changes)
