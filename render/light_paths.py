@@ -1,7 +1,7 @@
 """Light paths from an imager through the scene: what the projector and the lamps add at every vertex.
 
 Projector and ambient light are carried side by side along the same path, since transport is linear. At each vertex the
-projector (a point) and one point on a lamp are connected; the path then follows a sample of the BSDF. Metal's BSDF
+projector (a point) and one point on every lamp are connected; the path then follows a sample of the BSDF. Metal's BSDF
 samples that hit a lamp are weighted against the lamp connections by the balance heuristic (Veach 1997, ch. 9).
 
 Two choices keep Monte-Carlo error below the imager's noise at few samples:
@@ -24,7 +24,7 @@ from scipy.stats import qmc
 from franbv.frames import Intrinsics
 from render import backend
 from render.dot_pattern import BLUR_LEVELS, FIELD_MARGIN, HALF_FIELD, DotPattern
-from render.mitsuba_scene import LoadedScene
+from render.mitsuba_scene import FIRST_LAMP, LoadedScene
 
 DIMENSIONS_PIXEL = 2
 """Sample dimensions: position in the pixel."""
@@ -189,87 +189,125 @@ def trace_paths(
     *,
     first_vertex: int = 0,
     filtered: bool = True,
+    projector_shadows: bool = True,
 ) -> tuple[Any, Any]:
     """Radiance along `ray` from the projector and from the lamps [W m^-2 sr^-1], one value a path.
 
     max_depth: surface vertices of a path at the most. first_vertex: number of the vertex that `ray` meets, > 0 where
     the path's earlier vertices are the caller's and Lambertian: then lamps met directly count nothing (the caller
     connected them) and dots are looked up with the footprint of a cosine lobe's sample.
+    projector_shadows: whether anything stands in the projector's light.
     """
     mi = backend.mitsuba()
     import drjit as dr
 
-    scene, context = world.scene, mi.BSDFContext()
-    n = dr.width(pixel)
-    start = dr.opaque(mi.UInt32, first_vertex)
+    scene, n = world.scene, dr.width(pixel)
 
-    def vertex(ray, from_projector, from_lamps, beta, active, i, previous, pdf, diffused, spread):
+    def vertex(ray, from_projector, from_lamps, beta, active, i, pdf, diffused, spread):
         si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=i == 0, active=active)
         hit = active & si.is_valid()
-
-        # A lamp (or the environment) met by the path itself.
-        emitter = si.emitter(scene, active)
-        to_lamp = mi.DirectionSample3f(scene, si, previous)
-        competing = scene.pdf_emitter_direction(previous, to_lamp, active & (i > 0) & ~diffused)
-        weight = dr.select(i == 0, 1.0, pdf / dr.maximum(pdf + competing, 1e-30))
-        weight = dr.select(diffused, 0.0, weight)
-        from_lamps += dr.select(active, beta * weight * emitter.eval(si, active).x, 0.0)
-        scattering = hit & (i < max_depth)
-
-        bsdf = si.bsdf(ray)
-        glossy = world.is_glossy(world.body(si))
+        body = world.body(si)
+        arriving = light_met(world, si, ray, body, pdf, i, diffused)
+        from_lamps += dr.select(active, beta * arriving, 0)
+        glossy = world.is_glossy(body)
+        scattering = hit & (i < max_depth) & (body < FIRST_LAMP)
         connected = scattering & ~(diffused & glossy)
 
-        # The projector, a point: radiance f s / z^2 with z = r cos, and f cos the BSDF's value.
+        # Where light may come from: the projector, one point on each lamp.
+        dimension = DIMENSIONS_PIXEL + DIMENSIONS_VERTEX * i
+        u = [samples.uniform(sample, pixel, dimension + k, active) for k in range(DIMENSIONS_VERTEX)]
         to_projector = light.position - si.p
         distance2 = dr.maximum(dr.squared_norm(to_projector), 1e-9)
         towards = to_projector * dr.rsqrt(distance2)
-        f_cos = bsdf.eval(context, si, si.to_local(towards), connected).x
-        cos_here = dr.maximum(dr.abs(dr.dot(si.n, towards)), 1e-3)
-        cos_path = dr.maximum(dr.abs(dr.dot(si.n, ray.d)), 1e-2)
-        area = spread * dr.square(si.t) / cos_path
-        footprint = FOOTPRINT_SIGMA * dr.sqrt(area * cos_here / distance2) if filtered else 0.0
-        footprint = dr.select(hit, footprint, 0.0)
-        lit = connected & (f_cos > 0)
-        s, cos_axis = light.white_wall_radiance(-towards, footprint, lit)
-        lit &= s > 0
-        lit &= ~scene.ray_test(si.spawn_ray_to(light.position), coherent=i == 0, active=lit)
-        intensity = dr.pi * s / dr.maximum(cos_axis**3, 1e-6)
-        from_projector += dr.select(lit, beta * f_cos * intensity / distance2, 0.0)
+        links = [lamp.connection(si.p, u[0], u[1]) for lamp in world.lamps]
+        directions = [si.to_local(towards), *(si.to_local(direction) for _, direction, _ in links)]
+        values, onwards, bsdf_pdf, weight = _scatter(
+            si, directions, u[2], mi.Point2f(u[3], u[4]), connected, scattering
+        )
 
-        # One point on a lamp.
-        dimension = DIMENSIONS_PIXEL + DIMENSIONS_VERTEX * i
-        u = [samples.uniform(sample, pixel, dimension + k, active) for k in range(DIMENSIONS_VERTEX)]
-        lamp, value = scene.sample_emitter_direction(si, mi.Point2f(u[0], u[1]), True, connected)
-        f_lamp, pdf_bsdf = bsdf.eval_pdf(context, si, si.to_local(lamp.d), connected)
-        competing = dr.select(glossy, pdf_bsdf, 0.0)
-        weight = lamp.pdf / dr.maximum(lamp.pdf + competing, 1e-30)
-        from_lamps += dr.select(connected & (lamp.pdf > 0), beta * weight * f_lamp.x * value.x, 0.0)
+        footprint = _footprint(si, ray, towards, distance2, spread) if filtered else mi.Float(0)
+        f_cos, _ = values[0]
+        s, cos_axis = light.white_wall_radiance(-towards, footprint, connected)
+        lit = connected & (f_cos > 0) & (s > 0)
+        if projector_shadows:
+            lit &= ~scene.ray_test(si.spawn_ray_to(light.position), coherent=i == 0, active=lit)
+        # White-wall radiance s at 1 m means irradiance pi s / z^2 with z = r cos, on a surface that faces the axis.
+        irradiance = dr.pi * s / (dr.maximum(cos_axis**3, 1e-6) * distance2)
+        from_projector += dr.select(lit, beta * f_cos * irradiance, 0)
 
-        # Onwards.
-        bsdf_sample, bsdf_weight = bsdf.sample(context, si, u[2], mi.Point2f(u[3], u[4]), scattering)
-        beta *= bsdf_weight.x
+        for lamp, (place, _, density), (f_cos, f_pdf) in zip(world.lamps, links, values[1:], strict=True):
+            lit = connected & (f_cos > 0) & (density > 0)
+            lit &= ~scene.ray_test(si.spawn_ray_to(place), coherent=i == 0, active=lit)
+            balance = dr.rcp(density + dr.select(glossy, f_pdf, 0))
+            from_lamps += dr.select(lit, beta * f_cos * lamp.radiance * balance, 0)
+
+        beta = beta * weight
         i += 1
-        active = scattering & (bsdf_sample.pdf > 0) & (beta > 0) & ((i < max_depth) | glossy)
-        spread += dr.rcp(samples.n * dr.maximum(bsdf_sample.pdf, 1e-6))
-        onwards = si.spawn_ray(si.to_world(bsdf_sample.wo))
-        previous = mi.Interaction3f(si)
+        active = scattering & (bsdf_pdf > 0) & (beta > 0)
+        spread = spread + dr.rcp(samples.n * dr.maximum(bsdf_pdf, 1e-6))
         return (
-            onwards, from_projector, from_lamps, beta, active, i,
-            previous, bsdf_sample.pdf, diffused | ~glossy, spread,
+            si.spawn_ray(si.to_world(onwards)), from_projector, from_lamps, beta, active, i,
+            bsdf_pdf, diffused | ~glossy, spread,
         )  # fmt: skip
 
     state = (
         ray,
         dr.zeros(mi.Float, n),
         dr.zeros(mi.Float, n),
-        dr.full(mi.Float, 1.0, n),
+        dr.full(mi.Float, 1, n),
         dr.full(mi.Bool, True, n),
-        dr.zeros(mi.UInt32, n) + start,
-        dr.zeros(mi.Interaction3f, n),
+        dr.full(mi.UInt32, first_vertex, n),
         dr.zeros(mi.Float, n),
         dr.full(mi.Bool, first_vertex > 0, n),
-        dr.full(mi.Float, np.pi / samples.n if first_vertex else 0.0, n),
+        dr.full(mi.Float, np.pi / samples.n if first_vertex else 0, n),
     )
     final = dr.while_loop(state, lambda *s: s[4], vertex)
     return final[1], final[2]
+
+
+def light_met(world: LoadedScene, si: Any, ray: Any, body: Any, pdf: Any, i: Any, diffused: Any) -> Any:
+    """Radiance that a ray brings from a lamp it meets or from outside the scene.
+
+    pdf: density of the ray's direction over solid angle; lamps met behind a glossy vertex are weighted by the balance
+    heuristic, behind a Lambertian one they count nothing, since they were connected there with full weight.
+    """
+    import drjit as dr
+
+    radiance = dr.select(si.is_valid(), 0, world.ambient)
+    for k, lamp in enumerate(world.lamps):
+        cosine = -dr.dot(ray.d, lamp.normal)
+        density = dr.square(si.t) / dr.maximum(cosine * lamp.area, 1e-9)
+        weight = dr.select(i == 0, 1, dr.select(diffused, 0, pdf / (pdf + density)))
+        radiance += dr.select((body == FIRST_LAMP + k) & (cosine > 0), weight * lamp.radiance, 0)
+    return radiance
+
+
+def _scatter(
+    si: Any, directions: list[Any], u: Any, v: Any, connected: Any, scattering: Any
+) -> tuple[list[tuple[Any, Any]], Any, Any, Any]:
+    """All that a vertex asks of its BSDF, in one dynamic call.
+
+    Returns (value times cosine, density) for each local direction of light, and a sampled direction with its density
+    and its weight.
+    """
+    mi = backend.mitsuba()
+    import drjit as dr
+
+    context = mi.BSDFContext()
+
+    def ask(bsdf, si, directions, u, v, connected, scattering):
+        pairs = [bsdf.eval_pdf(context, si, wo, connected) for wo in directions]
+        sampled, weight = bsdf.sample(context, si, u, v, scattering)
+        return [(value.x, pdf) for value, pdf in pairs], sampled.wo, sampled.pdf, weight.x
+
+    return dr.dispatch(si.bsdf(), ask, si, directions, u, v, connected, scattering)
+
+
+def _footprint(si: Any, ray: Any, towards: Any, distance2: Any, spread: Any) -> Any:
+    """Blur of the dots for a path whose samples lie `spread` [sr] apart, in the plane at 1 m before the projector."""
+    import drjit as dr
+
+    cos_here = dr.maximum(dr.abs(dr.dot(si.n, towards)), 1e-3)
+    cos_path = dr.maximum(dr.abs(dr.dot(si.n, ray.d)), 1e-2)
+    area = spread * dr.square(si.t) / cos_path
+    return dr.select(si.is_valid(), FOOTPRINT_SIGMA * dr.sqrt(area * cos_here / distance2), 0)

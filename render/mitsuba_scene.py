@@ -5,13 +5,17 @@ from typing import Any
 
 import numpy as np
 
+from materials.input_error import InputError
 from materials.material import Matte
 from render import backend
 from render.bsdf import bsdf_description, is_diffuse
+from render.lamp_light import LampLight
 from scenes.scene import Body, Lamp, Mesh, Scene
 
 NO_BODY = 255
-"""Index in id maps where a ray meets nothing or a lamp."""
+"""Index in id maps where a ray meets nothing."""
+FIRST_LAMP = 192
+"""Index in id maps of the first lamp; bodies have smaller ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,17 +23,22 @@ class LoadedScene:
     """A Mitsuba scene and what its shapes mean."""
 
     scene: Any
-    """`mitsuba.Scene`."""
+    """`mitsuba.Scene`; lamps are black rectangles in it, and shine by `lamps`."""
     body_of_shape: Any
-    """Dr.Jit lookup (UInt32): Mitsuba's registry id of a shape -> index into `source.bodies`, or NO_BODY."""
+    """Dr.Jit lookup (UInt32): Mitsuba's registry id of a shape -> index into `source.bodies`, FIRST_LAMP + lamp, or
+    NO_BODY."""
     glossy_of_body: Any
     """Dr.Jit lookup (UInt32), NO_BODY + 1 entries: 1 where a body is not Lambertian; 0 for nothing and lamps."""
     albedo_of_body: Any
     """Dr.Jit lookup (Float), NO_BODY + 1 entries: reflectance of the Lambertian bodies, 0 for all else."""
+    lamps: tuple[LampLight, ...]
+    """In the order of `source.lamps`."""
+    ambient: Any
+    """Radiance of directions that leave the scene, opaque [W m^-2 sr^-1]."""
     source: Scene
 
     def body(self, si: Any) -> Any:
-        """Index of the body that each interaction lies on (UInt32), NO_BODY for none."""
+        """Index of the body or lamp that each interaction lies on (UInt32), NO_BODY for none."""
         mi = backend.mitsuba()
         import drjit as dr
 
@@ -46,27 +55,35 @@ class LoadedScene:
 
 
 def load_scene(scene: Scene) -> LoadedScene:
-    """Build the Mitsuba scene. Lamps are one-sided area emitters; ambient light is a constant environment."""
+    """Build the Mitsuba scene; bodies of one material share one BSDF."""
     mi = backend.mitsuba()
-    description: dict[str, Any] = {"type": "scene"}
-    shapes = [_mitsuba_mesh(body) for body in scene.bodies]
-    description |= {f"body_{i}": shape for i, shape in enumerate(shapes)}
-    description |= {f"lamp_{i}": _lamp_description(lamp) for i, lamp in enumerate(scene.lamps)}
-    if scene.ambient_radiance > 0:
-        description["ambient"] = {
-            "type": "constant",
-            "radiance": {"type": "spectrum", "value": float(scene.ambient_radiance)},
-        }
-    loaded = mi.load_dict(description)
-    ids = [_registry_id(shape) for shape in shapes]
-    every = [_registry_id(shape) for shape in loaded.shapes()]
-    lookup = np.full(max(every, default=0) + 1, NO_BODY, np.uint32)
-    lookup[ids] = np.arange(len(ids))
+    import drjit as dr
+
+    if len(scene.bodies) > FIRST_LAMP or len(scene.lamps) > NO_BODY - FIRST_LAMP:
+        raise InputError(
+            f"scene {scene.name}: {len(scene.bodies)} bodies and {len(scene.lamps)} lamps; "
+            f"join bodies of one material until there are at most {FIRST_LAMP}"
+        )
+    bsdfs = {body.material: mi.load_dict(bsdf_description(body.material)) for body in scene.bodies}
+    bodies = [_mitsuba_mesh(body, bsdfs[body.material]) for body in scene.bodies]
+    lamps = [_lamp_shape(lamp) for lamp in scene.lamps]
+    loaded = mi.load_dict({"type": "scene"} | {f"shape_{i}": shape for i, shape in enumerate([*bodies, *lamps])})
+    ids = [_registry_id(shape) for shape in (*bodies, *lamps)]
+    lookup = np.full(max(ids, default=0) + 1, NO_BODY, np.uint32)
+    lookup[ids] = [*range(len(bodies)), *range(FIRST_LAMP, FIRST_LAMP + len(lamps))]
     glossy = np.zeros(NO_BODY + 1, np.uint32)
-    glossy[: len(scene.bodies)] = [not is_diffuse(body.material) for body in scene.bodies]
+    glossy[: len(bodies)] = [not is_diffuse(body.material) for body in scene.bodies]
     albedo = np.zeros(NO_BODY + 1, np.float32)
-    albedo[: len(scene.bodies)] = [b.material.reflectance if isinstance(b.material, Matte) else 0 for b in scene.bodies]
-    return LoadedScene(loaded, mi.UInt32(lookup), mi.UInt32(glossy), mi.Float(albedo), scene)
+    albedo[: len(bodies)] = [b.material.reflectance if isinstance(b.material, Matte) else 0 for b in scene.bodies]
+    return LoadedScene(
+        loaded,
+        mi.UInt32(lookup),
+        mi.UInt32(glossy),
+        mi.Float(albedo),
+        tuple(LampLight.of(lamp) for lamp in scene.lamps),
+        dr.opaque(mi.Float, float(scene.ambient_radiance)),
+        scene,
+    )
 
 
 def _registry_id(shape: Any) -> int:
@@ -78,12 +95,12 @@ def _registry_id(shape: Any) -> int:
     return int(pointer[0])
 
 
-def _mitsuba_mesh(body: Body) -> Any:
-    """The body as a `mitsuba.Mesh` with its BSDF."""
+def _mitsuba_mesh(body: Body, bsdf: Any) -> Any:
+    """The body as a `mitsuba.Mesh` with this BSDF."""
     mi = backend.mitsuba()
     mesh: Mesh = body.mesh
     properties = mi.Properties()
-    properties["mesh_bsdf"] = mi.load_dict(bsdf_description(body.material))
+    properties["mesh_bsdf"] = bsdf
     shape = mi.Mesh(
         body.name,
         vertex_count=len(mesh.vertices),
@@ -103,13 +120,9 @@ def _mitsuba_mesh(body: Body) -> Any:
     return shape
 
 
-def _lamp_description(lamp: Lamp) -> dict[str, Any]:
-    """A Mitsuba rectangle spans (-1, 1)^2 and shines along its +z."""
+def _lamp_shape(lamp: Lamp) -> Any:
+    """A black rectangle; Mitsuba's spans (-1, 1)^2 and faces +z."""
     mi = backend.mitsuba()
     matrix = lamp.T_world_lamp.as_matrix() @ np.diag([lamp.width / 2, lamp.height / 2, 1.0, 1.0])
-    return {
-        "type": "rectangle",
-        "to_world": mi.ScalarTransform4f(matrix.tolist()),
-        "emitter": {"type": "area", "radiance": {"type": "spectrum", "value": float(lamp.radiance)}},
-        "bsdf": {"type": "diffuse", "reflectance": {"type": "spectrum", "value": 0.0}},
-    }
+    black = {"type": "diffuse", "reflectance": {"type": "spectrum", "value": 0.0}}
+    return mi.load_dict({"type": "rectangle", "to_world": mi.ScalarTransform4f(matrix.tolist()), "bsdf": black})

@@ -17,8 +17,8 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
 from render import backend
-from render.light_paths import Imager, ProjectorLight, SampleSet, trace_paths
-from render.mitsuba_scene import LoadedScene
+from render.light_paths import Imager, ProjectorLight, SampleSet, light_met, trace_paths
+from render.mitsuba_scene import FIRST_LAMP, LoadedScene
 from render.surface import SurfaceMap, surface_map
 
 PATHS_PER_LAUNCH = 4_000_000
@@ -30,9 +30,7 @@ class Sampling:
     """How many samples are spent where. The defaults are checked against 1024 samples a pixel in `tests/physics`."""
 
     subpixels: int = 4
-    """Positions in a pixel that sees Lambertian surfaces only."""
-    lamp_points: int = 4
-    """Lamp points per such position; `subpixels * lamp_points` different ones in all."""
+    """Positions in a pixel that sees Lambertian surfaces only, and points on every lamp that light it."""
     glossy_paths: int = 32
     """Paths of a pixel that sees a glossy surface."""
     indirect_directions: int = 32
@@ -43,6 +41,8 @@ class Sampling:
     """Surface vertices of a path: 1 = direct light only, 3 = two bounces more."""
     filtered: bool = True
     """Look dots behind a glossy vertex up with the footprint of a sample."""
+    projector_shadows: bool = True
+    """Let things stand in the projector's light. False lifts all its shadows, to see what they cost."""
     whole_paths_everywhere: bool = False
     """Treat every pixel as glossy: the reference."""
     rotated: bool = False
@@ -93,35 +93,38 @@ def _direct_light(
     mi = backend.mitsuba()
     import drjit as dr
 
-    scene, context, n = world.scene, mi.BSDFContext(), sampling.subpixels
-    points = SampleSet.sobol(n, 1, seed=seed)
-    lamps = SampleSet.sobol(n * sampling.lamp_points, 1, seed=seed)
+    scene, n = world.scene, sampling.subpixels
+    samples = SampleSet.sobol(n, 1, seed=seed)
     index = dr.arange(mi.UInt32, shape[0] * shape[1] * n)
     pixel, sample = index // n, index % n
     row = pixel // shape[1]
-    u = mi.Float(pixel - row * shape[1]) + points.uniform(sample, pixel, 0) - 0.5
-    v = mi.Float(row) + points.uniform(sample, pixel, 1) - 0.5
-    si = scene.ray_intersect(imager.ray(u, v), mi.RayFlags.All, coherent=True)
-    hit = si.is_valid()
-    glossy = world.is_glossy(world.body(si))
-    bsdf = si.bsdf()
+    u = [samples.uniform(sample, pixel, d) for d in range(4)]
+    ray = imager.ray(mi.Float(pixel - row * shape[1]) + u[0] - 0.5, mi.Float(row) + u[1] - 0.5)
+    si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=True)
+    body = world.body(si)
+    glossy = world.is_glossy(body)
+    diffuse = si.is_valid() & ~glossy & (body < FIRST_LAMP)
+    albedo = dr.gather(mi.Float, world.albedo_of_body, body)
+    facing = mi.Vector3f(dr.mulsign(si.sh_frame.n, -dr.dot(si.sh_frame.n, ray.d)))
+
+    def arrives(place: Any, direction: Any, power: Any, shadows: bool = True) -> Any:
+        """Reflected radiance for light of this irradiance across the direction, unless something is in the way."""
+        cosine = dr.dot(facing, direction)
+        lit = diffuse & (cosine > 0) & (power > 0)
+        if shadows:
+            lit &= ~scene.ray_test(si.spawn_ray_to(place), coherent=True, active=lit)
+        return dr.select(lit, albedo * dr.inv_pi * cosine * power, 0)
 
     to_projector = light.position - si.p
     distance2 = dr.maximum(dr.squared_norm(to_projector), 1e-9)
     towards = to_projector * dr.rsqrt(distance2)
-    lit = hit & ~glossy
-    s, cos_axis = light.white_wall_radiance(-towards, mi.Float(0), lit)
-    f_cos = bsdf.eval(context, si, si.to_local(towards), lit).x
-    lit &= (s > 0) & (f_cos > 0)
-    lit &= ~scene.ray_test(si.spawn_ray_to(light.position), coherent=True, active=lit)
-    from_projector = dr.select(lit, f_cos * dr.pi * s / (dr.maximum(cos_axis**3, 1e-6) * distance2), 0.0)
-
-    from_lamps = dr.select(glossy, 0.0, si.emitter(scene).eval(si).x)
-    for k in range(sampling.lamp_points):
-        at = mi.Point2f(*(lamps.uniform(sample * sampling.lamp_points + k, pixel, d) for d in (0, 1)))
-        lamp, value = scene.sample_emitter_direction(si, at, True, hit & ~glossy)
-        f_cos = bsdf.eval(context, si, si.to_local(lamp.d), hit & ~glossy).x
-        from_lamps += dr.select(hit & ~glossy, f_cos * value.x, 0.0) / sampling.lamp_points
+    s, cos_axis = light.white_wall_radiance(-towards, mi.Float(0), diffuse)
+    power = dr.pi * s / (dr.maximum(cos_axis**3, 1e-6) * distance2)
+    from_projector = arrives(light.position, towards, power, sampling.projector_shadows)
+    from_lamps = light_met(world, si, ray, body, mi.Float(0), mi.UInt32(0), mi.Bool(False))
+    for lamp in world.lamps:
+        place, direction, density = lamp.connection(si.p, u[2], u[3])
+        from_lamps += arrives(place, direction, dr.select(density > 0, lamp.radiance / density, 0))
 
     means = _pixel_means([from_projector, from_lamps, dr.select(glossy, mi.Float(1), mi.Float(0))], n)
     return means[:2].reshape(2, *shape), means[2].reshape(shape) > 0
@@ -152,7 +155,15 @@ def _whole_paths(
         u = mi.Float(pixel - row * width) + samples.uniform(sample, pixel, 0) - 0.5
         v = mi.Float(row) + samples.uniform(sample, pixel, 1) - 0.5
         paths = trace_paths(
-            world, light, imager.ray(u, v), pixel, sample, samples, sampling.max_depth, filtered=sampling.filtered
+            world,
+            light,
+            imager.ray(u, v),
+            pixel,
+            sample,
+            samples,
+            sampling.max_depth,
+            filtered=sampling.filtered,
+            projector_shadows=sampling.projector_shadows,
         )
         layers[:, start : start + step] = _pixel_means(paths, n)
     return layers
@@ -181,9 +192,18 @@ def _indirect_light(
     si = dr.zeros(mi.SurfaceInteraction3f, dr.width(index))
     si.t, si.p, si.n = mi.Float(1), mi.Point3f(position), mi.Normal3f(normal)
     ray = si.spawn_ray(mi.Frame3f(normal).to_world(lobe))
-    albedo = dr.gather(mi.Float, mi.Float(world.albedo_of_body), body)
+    albedo = dr.gather(mi.Float, world.albedo_of_body, body)
     paths = trace_paths(
-        world, light, ray, point, sample, samples, sampling.max_depth, first_vertex=1, filtered=sampling.filtered
+        world,
+        light,
+        ray,
+        point,
+        sample,
+        samples,
+        sampling.max_depth,
+        first_vertex=1,
+        filtered=sampling.filtered,
+        projector_shadows=sampling.projector_shadows,
     )
     fields = _pixel_means([layer * albedo for layer in paths], n)
     return coarse.interpolated(fields.reshape(-1, *coarse.body.shape), surface, stride)

@@ -8,7 +8,7 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import project
 from render import backend
-from render.mitsuba_scene import NO_BODY, LoadedScene
+from render.mitsuba_scene import FIRST_LAMP, LoadedScene
 from render.rig import Rig
 from render.surface import SurfaceMap, surface_map
 
@@ -24,7 +24,7 @@ class Truth:
     incidence: Float32[np.ndarray, "h w"]
     """Angle between normal and view ray [rad], NaN = nothing there."""
     body: UInt8[np.ndarray, "h w"]
-    """Index into the scene's bodies, NO_BODY = nothing there."""
+    """Index into the scene's bodies; from `mitsuba_scene.FIRST_LAMP` on a lamp or nothing."""
     in_right_image: Bool[np.ndarray, "h w"]
     """Whether the point falls on the right imager's pixels, hidden or not."""
     visible_from_right: Bool[np.ndarray, "h w"]
@@ -36,7 +36,7 @@ class Truth:
 def measure_truth(world: LoadedScene, rig: Rig, T_world_cam: RigidTransform) -> Truth:
     """Cast the truth for a rig whose left imager stands at `T_world_cam`."""
     surface = surface_map(world, rig.intrinsics, T_world_cam)
-    hit = surface.body != NO_BODY
+    hit = surface.body < FIRST_LAMP
     shape = hit.shape
     points = surface.position.reshape(-1, 3).astype(float)
     depth = np.where(hit, T_world_cam.inv().apply(points)[:, 2].reshape(shape), 0).astype(np.float32)
