@@ -118,9 +118,9 @@ def _sub_pixel_directions(intrinsics, supersampling):
     return fine.pixel_directions().reshape(-1, 3)
 
 
-def cross(a: Float[np.ndarray, "*n 2"], b: Float[np.ndarray, "*n 2"]) -> Float[np.ndarray, "*n"]:
+def cross(a: Float[np.ndarray, "*#n 2"], b: Float[np.ndarray, "*#n 2"]) -> Float[np.ndarray, "*#n"]:
     """Cross product of plane vectors, positive where b lies on the side of a towards which x turns to y."""
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
 def _angle(a, b):
