@@ -73,7 +73,7 @@ def test_a_matte_box_is_reconstructed(analytic_camera, free_arm):
 
 def test_same_seed_same_bytes(analytic_camera, free_arm):
     """Two runs from one seed agree in every depth, pose, point, voxel and ellipsoid; another seed gives other views."""
-    parameters = _parameters(max_iterations=3)
+    parameters = _parameters(max_iterations=2)
     once, again, other = (
         reconstruct(analytic_camera((BOX,), hole=_hole_on_top), free_arm(), fra(), parameters, seed=seed)
         for seed in (3, 3, 4)
@@ -84,10 +84,11 @@ def test_same_seed_same_bytes(analytic_camera, free_arm):
 
 def test_recovery_fires_on_a_hole_and_not_without(analytic_camera, free_arm):
     """A patch without depth sets off recoveries; where every ray has depth there is nothing to recover."""
+    parameters = _parameters(max_iterations=2)
     with_hole = reconstruct(
-        analytic_camera((BOX,), room=ROOM, hole=_hole_on_top), free_arm(), fra(), PARAMETERS, seed=1
+        analytic_camera((BOX,), room=ROOM, hole=_hole_on_top), free_arm(), fra(), parameters, seed=1
     )
-    without = reconstruct(analytic_camera((BOX,), room=ROOM), free_arm(), fra(), PARAMETERS, seed=1)
+    without = reconstruct(analytic_camera((BOX,), room=ROOM), free_arm(), fra(), parameters, seed=1)
     assert history(_box_reference(), with_hole.acquisitions).n_activations > 0
     assert history(_box_reference(), without.acquisitions).n_activations == 0
     assert all(a.kind != "recovery" for a in without.acquisitions)
@@ -98,7 +99,8 @@ def test_recoveries_belong_to_their_iteration(analytic_camera, free_arm):
 
     Each but the last of its series leaves Gamma at or below tau_rec.
     """
-    run = reconstruct(analytic_camera((BOX,), hole=_hole_on_top), free_arm(), fra(), PARAMETERS, seed=1)
+    parameters = _parameters(max_iterations=3)
+    run = reconstruct(analytic_camera((BOX,), hole=_hole_on_top), free_arm(), fra(), parameters, seed=1)
     nbv = [a for a in run.acquisitions if a.kind == "nbv"]
     assert [a.nbv_iteration for a in nbv] == list(range(1, len(nbv) + 1))
     for trigger in run.acquisitions:
@@ -113,7 +115,7 @@ def test_recoveries_belong_to_their_iteration(analytic_camera, free_arm):
 
 def test_without_recovery_fra_is_pb(analytic_camera, free_arm):
     """Where no pixel lacks depth, FRA-NBV takes the same views as PB-NBV to the last bit: it only adds."""
-    parameters = _parameters(max_iterations=3)
+    parameters = _parameters(max_iterations=2)
     first, second = (
         reconstruct(analytic_camera((BOX,), room=ROOM), free_arm(), planner, parameters, seed=2)
         for planner in (pb(), fra())
