@@ -126,7 +126,7 @@ def _usable(eyes, target, nearest, table_height, reachable):
             fates["too near" if too_near else "unreachable"] += 1
         else:
             poses.append(pose)
-            fates["pushed back"] += too_near
+            fates["pushed back"] += int(too_near)
     return poses, fates
 
 

@@ -43,7 +43,9 @@ def recovery_utility(
     """U_r(x), eq. (14) [px^2]: U(x) plus the weighted area of the region B_r*, ranked among the ellipsoids."""
     areas = projected_areas(ellipsoids, intrinsics, T_world_cam, parameters.area_supersampling)
     areas = np.append(areas, projected_box_area(region, intrinsics, T_world_cam))
-    region_depth = T_world_cam.inv().apply(region.centre)[2]
+    T_cam_world = T_world_cam.inv()
+    in_sight = T_cam_world.apply(region.corners())[:, 2].max() > 0.0
+    region_depth = T_cam_world.apply(region.centre)[2] if in_sight else np.inf
     weights = parameters.weight_base ** depth_ranks(np.append(visible_depths(ellipsoids, T_world_cam), region_depth))
     return float(np.sum(weights * areas * np.append(np.where(ellipsoids.is_frontier, 1.0, -1.0), 1.0)))
 
