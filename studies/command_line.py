@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Annotated, Generic, TypeVar
 
 import tyro
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
 from materials.input_error import InputError
-from studies.config import check_finite, load_config
+from studies.config import check_finite, load_config, one_line
 
 HELP_INDENT = " " * 8
 """Tyro's indent of an option's description inside its boxes."""
@@ -48,14 +48,17 @@ def parse_case_command(settings: type[Settings], args: list[str], prog: str, hel
 def parse(model: type[Parsed], args: list[str], prog: str, help_text: str, default: Parsed | None = None) -> Parsed:
     """`args` as a `model`; InputError with one line when they do not fit, SystemExit(0) after `--help`."""
     complaint = io.StringIO()
-    start = tyro.MISSING if default is None else default
     try:
         with contextlib.redirect_stderr(complaint):
-            return tyro.cli(model, args=args, prog=prog, description=help_text, default=start)
+            if default is None:
+                return tyro.cli(model, args=args, prog=prog, description=help_text)
+            return tyro.cli(model, args=args, prog=prog, description=help_text, default=default)
     except SystemExit as stop:
         if stop.code in (0, None):
             raise
         raise InputError(f"{condensed(complaint.getvalue())}; see {prog} --help") from None
+    except ValidationError as error:  # of the settings themselves; those of nested models arrive condensed
+        raise InputError(one_line(error, "the flags")) from None
 
 
 def condensed(complaint: str) -> str:

@@ -52,7 +52,7 @@ def validated(model: type[AnyConfig], data: dict[str, Any], source: str) -> AnyC
     try:
         config = model.model_validate(data)
     except ValidationError as error:
-        raise InputError(one_line(error, model, source)) from None
+        raise InputError(one_line(error, source, model)) from None
     check_finite(config, source)
     return config
 
@@ -75,13 +75,13 @@ def _numbers(key: str, value: Any) -> Iterator[tuple[str, float]]:
         yield key, value
 
 
-def one_line(error: ValidationError, model: type[BaseModel], source: str) -> str:
+def one_line(error: ValidationError, source: str, model: type[BaseModel] | None = None) -> str:
     """The first problem of a validation: source, key, what is wrong, and the nearest known key for an unknown one."""
     problems = error.errors(include_url=False)
     first = next((p for p in problems if p["type"] == "extra_forbidden"), problems[0])
     key = ".".join(str(part) for part in first["loc"])
     more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
-    if first["type"] == "extra_forbidden":
+    if first["type"] == "extra_forbidden" and model is not None:
         return f"{source}: unknown key `{key}`{more}; {nearest_key(model, first['loc'])}"
     message = first["msg"].removeprefix("Value error, ")
     message = message[0].lower() + message[1:]

@@ -29,7 +29,7 @@ def say_json(values: Mapping[str, Any]) -> None:
 
 def strict_json(values: Any, indent: int | None = None) -> str:
     """JSON without NaN and infinity, which its standard does not know: they become null."""
-    return json.dumps(_finite(values), indent=indent, sort_keys=indent is not None, allow_nan=False)
+    return json.dumps(_finite(values), indent=indent, allow_nan=False)
 
 
 def progress_bar() -> Progress:

@@ -1,0 +1,87 @@
+"""`franbv reconstruct`: a part from the first view to the last, its result and its report."""
+
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import UInt8
+from scipy.spatial.transform import RigidTransform
+
+from franbv.parameters import Parameters
+from franbv.sensing import DepthBurst
+from materials.input_error import InputError
+from render.arm import SimulatedArm
+from render.d435i import SimulatedD435i
+from render.visibility import seen_from_above
+from scenes.reference_points import part_box
+from scenes.scene import Scene
+from studies.captures import KeptCaptures, Take
+from studies.command_line import parse_case_command
+from studies.console import say, say_json, warn
+from studies.reference import reference_surface
+from studies.run_case import COMMAND, RunSettings, write_run
+from studies.run_words import run_paragraph
+from studies.single_case import made_once
+from studies.stored_run import CLOUD, FILTERED_CLOUD, REPORT, RUN, TABLE, TIMINGS, StoredRun
+from studies.subject import Subject, SubjectSettings, build_subject, resolved
+
+FILES = (REPORT, RUN, TABLE, TIMINGS, CLOUD, FILTERED_CLOUD)
+"""What the output folder itself shows of the case."""
+
+HELP = "Reconstruct a part with a next-best-view planner, from the first view until a stop rule ends the run."
+
+
+class ReconstructSettings(RunSettings, SubjectSettings):
+    """What decides a reconstruction: the subject and the run."""
+
+
+def run(args: list[str]) -> int:
+    """Reconstruct, unless the finished case is there already; then say what was reached."""
+    command = parse_case_command(ReconstructSettings, args, f"franbv {COMMAND}", HELP)
+    subject = build_subject(command.settings)
+    check_workspace(subject.scene, command.settings.parameters)
+    for notice in subject.notices:
+        warn(f"franbv {COMMAND}: {notice}")
+    config = resolved(command.settings)
+    case, found = made_once(COMMAND, config, command.out, FILES, lambda folder: simulate(folder, config, subject))
+    stored = StoredRun(case)
+    say(f"{stored.run['title']}: {run_paragraph(stored.run, stored.timings)}")
+    say(f"{'Found' if found else 'Written'}: {case}\nReport: {case / REPORT}")
+    if command.json:
+        timings = {key: value for key, value in stored.timings.items() if key != "acquisitions"}
+        say_json({"folder": str(case), **stored.run["summary"], **timings})
+    return 0
+
+
+def simulate(folder: Path, config: ReconstructSettings, subject: Subject) -> None:
+    """Run the loop with the simulated camera and arm."""
+    camera = SimulatedD435i(subject.scene, config.sensor, config.seed)
+    captures = KeptCaptures(take_with(camera), camera.intrinsics, camera.min_z, folder)
+    reference = reference_surface(subject.scene, lambda points, normals: seen_from_above(camera.world, points, normals))
+    write_run(folder, config, subject.title, captures, SimulatedArm.around(subject.scene.part_mesh()), reference)
+
+
+def take_with(camera: SimulatedD435i) -> Take:
+    """The camera as `studies.captures.Take`; the infrared image is cut to what the depth image covers."""
+    covered = camera.window.slices if camera.window else np.s_[:, :]
+
+    def take(T_world_cam: RigidTransform, n_frames: int) -> tuple[DepthBurst, UInt8[np.ndarray, "h w"]]:
+        measurement = camera.measure(T_world_cam, n_frames)
+        return measurement.burst, measurement.lefts[0][covered]
+
+    return take
+
+
+def check_workspace(scene: Scene, parameters: Parameters) -> None:
+    """InputError when the part does not fit into the box that the planner maps."""
+    low, high = part_box(scene)
+    if np.any(low[:2] < parameters.workspace_min[:2]) or np.any(high > parameters.workspace_max):
+        size = _millimetres(high - low)
+        room = _millimetres(np.subtract(parameters.workspace_max, parameters.workspace_min))
+        raise InputError(
+            f"{scene.name}: {size} mm do not fit into the mapped box of {room} mm around the origin; "
+            "raise --parameters.workspace-min and --parameters.workspace-max"
+        )
+
+
+def _millimetres(sides: np.ndarray) -> str:
+    return " x ".join(f"{1000 * side:.0f}" for side in sides)

@@ -1,0 +1,41 @@
+"""The true surface that a reconstruction is judged against: what of it can be seen, and the distance to all of it."""
+
+from collections.abc import Callable
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from franbv.evaluation import Reference, distance_to_samples
+from materials.input_error import InputError
+from scenes.reference_points import reference_points
+from scenes.scene import Scene
+
+N_REFERENCE = 10_000
+"""Reference points (choice: the standard error of a coverage is at most 0.5 points)."""
+N_DRAWN = 40_000
+"""Points drawn first; of most parts more than a quarter can be seen (choice)."""
+MOST_DRAWN = 16 * N_DRAWN
+"""Points drawn at most. A part of which fewer than one in 64 can be seen keeps fewer reference points."""
+N_DISTANCE = 300_000
+"""Samples of the whole surface for distances: 0.2 mm apart on 0.04 m^2 (`distance_to_samples`)."""
+SEED = 0
+"""The points belong to the part and not to the run, so that runs can be compared."""
+
+Visible = Callable[[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]], Bool[np.ndarray, "n"]]
+"""(points [m], outward unit normals) -> whether some view of the upper hemisphere sees each."""
+
+
+def reference_surface(scene: Scene, visible: Visible) -> Reference:
+    """Area-uniform points on the visible part of the surface, and the distance to the whole of it."""
+    drawn = N_DRAWN
+    while True:
+        points, normals = reference_points(scene, drawn, SEED)
+        seen = points[visible(points, normals)]
+        if len(seen) >= N_REFERENCE or drawn >= MOST_DRAWN:
+            break
+        drawn *= 4
+    if len(seen) == 0:
+        raise InputError(f"{scene.name}: no point of its surface can be seen from above; are its faces turned inward?")
+    samples, _ = reference_points(scene, N_DISTANCE, SEED + 1)
+    # The drawn points are in random order, so the first ones are as uniform as all.
+    return Reference(seen[:N_REFERENCE], distance_to_samples(samples))

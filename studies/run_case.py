@@ -1,0 +1,103 @@
+"""Runs the loop with any camera and arm, and writes everything that a reconstruction leaves."""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from franbv.acquisition import Acquisition, Reconstruction
+from franbv.evaluation import Reference
+from franbv.parameters import Parameters
+from franbv.planners import PLANNERS
+from franbv.reconstruction import reconstruct
+from franbv.sensing import Arm
+from studies.acquisition_table import write_table
+from studies.captures import KeptCaptures
+from studies.cases import case_digest, write_atomically
+from studies.config import Config
+from studies.console import progress_bar, strict_json
+from studies.ply import write_ply
+from studies.report.page import write_report
+from studies.run_recorder import RunRecorder, cloud_owner, run_summary, surface_arrays, timing_figures
+from studies.single_case import versions
+from studies.stored_run import CLOUD, FILTERED_CLOUD, RUN, SURFACE, TABLE, TIMINGS
+from studies.stored_view import write_arrays, write_view
+
+COMMAND = "reconstruct"
+"""What the case's name and its `run.json` call it."""
+
+
+class RunSettings(Config):
+    """What decides a run, apart from what stands before the camera."""
+
+    planner: Literal["fra", "pb"] = "fra"
+    """fra: FRA-NBV as in the paper. pb: PB-NBV, the same without recovery of reflective regions."""
+    azimuth_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    """Where the first view stands [deg]; run i of n starts at 360 i / n."""
+    seed: Annotated[int, Field(ge=0)] = 0
+    """Root seed of all randomness, the sensor's noise and the planner's choices."""
+    parameters: Parameters = Parameters()
+    """Of the method, as in the paper's table where that has them."""
+
+
+def write_run(
+    folder: Path, config: RunSettings, title: str, captures: KeptCaptures, arm: Arm, reference: Reference
+) -> None:
+    """Run the loop and write its result, its timings and its report into the case's folder."""
+    recorder = RunRecorder(reference, config.parameters)
+    result = _observed_run(folder, config, captures, arm, recorder)
+    write_result(folder, config, title, result, reference, recorder)
+    times = [
+        {"sensing": sensing, **acquisition.planning_s}
+        for sensing, acquisition in zip(captures.sensing_s, result.acquisitions, strict=True)
+    ]
+    timings = {**timing_figures(times, captures.elapsed_s), "acquisitions": times}
+    write_atomically(folder / TIMINGS, strict_json(timings, indent=1).encode())
+    write_report(folder)
+    captures.drop_times()
+
+
+def write_result(
+    folder: Path,
+    config: RunSettings,
+    title: str,
+    result: Reconstruction,
+    reference: Reference,
+    recorder: RunRecorder,
+) -> None:
+    """Write everything that two runs of one configuration have in common, byte for byte."""
+    owner = cloud_owner(result)
+    write_ply(folder / CLOUD, result.cloud, owner)
+    write_ply(folder / FILTERED_CLOUD, result.cloud[result.is_mapped], owner[result.is_mapped])
+    write_arrays(folder / SURFACE, surface_arrays(reference, recorder))
+    write_table(folder / TABLE, recorder.finished_rows(result))
+    facts: dict[str, Any] = {
+        "command": COMMAND,
+        "case": case_digest(COMMAND, config),
+        "title": title,
+        "config": config.model_dump(mode="json"),
+        "versions": versions(),
+        "surface_points": len(reference.points),
+        "summary": run_summary(result, reference),
+    }
+    write_atomically(folder / RUN, strict_json(facts, indent=1).encode())
+
+
+def _observed_run(
+    folder: Path, config: RunSettings, captures: KeptCaptures, arm: Arm, recorder: RunRecorder
+) -> Reconstruction:
+    """Run the loop under a progress display."""
+    with progress_bar() as progress:
+        task = progress.add_task("first view", total=config.parameters.max_iterations + 1)
+
+        def observe(acquisition: Acquisition) -> None:
+            write_view(folder, acquisition.index, recorder.observe(acquisition))
+            coverage = 100 * recorder.rows[-1]["coverage_5mm"]
+            progress.update(
+                task,
+                completed=acquisition.nbv_iteration + 1,
+                description=f"acquisition {acquisition.index + 1}, coverage {coverage:.0f} %, NBV iteration",
+            )
+
+        planner = PLANNERS[config.planner]()
+        return reconstruct(captures, arm, planner, config.parameters, config.seed, config.azimuth_deg, observe)
