@@ -1,7 +1,7 @@
 """Radiance of the projector's and of the ambient light at every pixel of an imager, as two separate layers.
 
-Pixels that see Lambertian surfaces only need few samples: their direct light is computed with a handful of sub-pixel
-and lamp points, and their indirect light, which is smooth over a surface, on every n-th pixel, interpolated within the
+Pixels that see Lambertian surfaces only need few samples: a handful of positions for the dots, while the light of lamps
+and other surfaces, which varies slowly over a surface, is computed at every n-th pixel and interpolated within the
 surface (the idea of irradiance caching: Ward, Rubinstein and Clear 1988). Pixels that see anything glossy get whole
 light paths.
 No denoiser: it would invent or erase dots.
@@ -18,7 +18,7 @@ from scipy.spatial.transform import RigidTransform
 from franbv.frames import Intrinsics
 from render import backend
 from render.light_paths import Imager, ProjectorLight, SampleSet, light_met, trace_paths
-from render.mitsuba_scene import FIRST_LAMP, LoadedScene
+from render.mitsuba_scene import LoadedScene
 from render.surface import SurfaceMap, surface_map
 
 PATHS_PER_LAUNCH = 4_000_000
@@ -30,12 +30,16 @@ class Sampling:
     """How many samples are spent where. The defaults are checked against 1024 samples a pixel in `tests/physics`."""
 
     subpixels: int = 4
-    """Positions in a pixel that sees Lambertian surfaces only, and points on every lamp that light it."""
-    glossy_paths: int = 32
+    """Positions in a pixel that sees Lambertian surfaces only."""
+    lamp_points: int = 16
+    """Points on every lamp that light a Lambertian surface."""
+    lamp_stride_px: int = 2
+    """Distance of the pixels at which that light is computed."""
+    glossy_paths: int = 64
     """Paths of a pixel that sees a glossy surface."""
-    indirect_directions: int = 32
+    indirect_directions: int = 64
     """Directions gathered per interpolation point of the indirect light on Lambertian surfaces."""
-    indirect_stride_px: int = 4
+    indirect_stride_px: int = 8
     """Distance of these interpolation points."""
     max_depth: int = 3
     """Surface vertices of a path: 1 = direct light only, 3 = two bounces more."""
@@ -77,19 +81,19 @@ def render_layers(
     if sampling.whole_paths_everywhere:
         layers, glossy = np.zeros((2, *shape), np.float32), np.ones(shape, bool)
     else:
-        layers, glossy = _direct_light(world, light, imager, shape, sampling, seed)
-        if sampling.max_depth > 1 and not glossy.all():
-            surface = surface_map(world, intrinsics, T_world_imager)
-            layers += np.where(glossy, 0.0, _indirect_light(world, light, surface, sampling, seed))
+        layers, glossy = _sharp_light(world, light, imager, shape, sampling, seed)
+        surface = surface_map(world, intrinsics, T_world_imager)
+        layers[1] += _lamp_light(world, surface, sampling, seed)
+        layers += _indirect_light(world, light, surface, sampling, seed)
     pixels = np.flatnonzero(glossy)
     layers.reshape(2, -1)[:, pixels] = _whole_paths(world, light, imager, intrinsics.width, pixels, sampling, seed)
     return RadianceLayers(layers[0], layers[1])
 
 
-def _direct_light(
+def _sharp_light(
     world: LoadedScene, light: ProjectorLight, imager: Imager, shape: tuple[int, int], sampling: Sampling, seed: int
 ) -> tuple[Float32[np.ndarray, "2 h w"], Bool[np.ndarray, "h w"]]:
-    """Emitted and once-reflected light of both layers, and which pixels see a glossy surface."""
+    """The dots on Lambertian surfaces and the lamps that are seen themselves; and which pixels see a glossy surface."""
     mi = backend.mitsuba()
     import drjit as dr
 
@@ -98,35 +102,27 @@ def _direct_light(
     index = dr.arange(mi.UInt32, shape[0] * shape[1] * n)
     pixel, sample = index // n, index % n
     row = pixel // shape[1]
-    u = [samples.uniform(sample, pixel, d) for d in range(4)]
-    ray = imager.ray(mi.Float(pixel - row * shape[1]) + u[0] - 0.5, mi.Float(row) + u[1] - 0.5)
+    u, v = (samples.uniform(sample, pixel, d) - 0.5 for d in range(2))
+    ray = imager.ray(mi.Float(pixel - row * shape[1]) + u, mi.Float(row) + v)
     si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=True)
     body = world.body(si)
     glossy = world.is_glossy(body)
-    diffuse = si.is_valid() & ~glossy & (body < FIRST_LAMP)
     albedo = dr.gather(mi.Float, world.albedo_of_body, body)
-    facing = mi.Vector3f(dr.mulsign(si.sh_frame.n, -dr.dot(si.sh_frame.n, ray.d)))
-
-    def arrives(place: Any, direction: Any, power: Any, shadows: bool = True) -> Any:
-        """Reflected radiance for light of this irradiance across the direction, unless something is in the way."""
-        cosine = dr.dot(facing, direction)
-        lit = diffuse & (cosine > 0) & (power > 0)
-        if shadows:
-            lit &= ~scene.ray_test(si.spawn_ray_to(place), coherent=True, active=lit)
-        return dr.select(lit, albedo * dr.inv_pi * cosine * power, 0)
 
     to_projector = light.position - si.p
     distance2 = dr.maximum(dr.squared_norm(to_projector), 1e-9)
     towards = to_projector * dr.rsqrt(distance2)
-    s, cos_axis = light.white_wall_radiance(-towards, mi.Float(0), diffuse)
-    power = dr.pi * s / (dr.maximum(cos_axis**3, 1e-6) * distance2)
-    from_projector = arrives(light.position, towards, power, sampling.projector_shadows)
-    from_lamps = light_met(world, si, ray, body, mi.Float(0), mi.UInt32(0), mi.Bool(False))
-    for lamp in world.lamps:
-        place, direction, density = lamp.connection(si.p, u[2], u[3])
-        from_lamps += arrives(place, direction, dr.select(density > 0, lamp.radiance / density, 0))
+    cosine = dr.dot(si.sh_frame.n, towards) * -dr.sign(dr.dot(si.sh_frame.n, ray.d))
+    lit = si.is_valid() & (albedo > 0) & (cosine > 0)
+    s, cos_axis = light.white_wall_radiance(-towards, mi.Float(0), lit)
+    lit &= s > 0
+    if sampling.projector_shadows:
+        lit &= ~scene.ray_test(si.spawn_ray_to(light.position), coherent=True, active=lit)
+    # White-wall radiance s at 1 m means irradiance pi s / z^2 with z = r cos; the Lambertian lobe is albedo / pi.
+    from_projector = dr.select(lit, albedo * cosine * s / (dr.maximum(cos_axis**3, 1e-6) * distance2), 0)
+    lamps_seen = light_met(world, si, ray, body, mi.Float(0), mi.UInt32(0), mi.Bool(False))
 
-    means = _pixel_means([from_projector, from_lamps, dr.select(glossy, mi.Float(1), mi.Float(0))], n)
+    means = _pixel_means([from_projector, lamps_seen, dr.select(glossy, mi.Float(1), mi.Float(0))], n)
     return means[:2].reshape(2, *shape), means[2].reshape(shape) > 0
 
 
@@ -169,34 +165,43 @@ def _whole_paths(
     return layers
 
 
-def _indirect_light(
-    world: LoadedScene, light: ProjectorLight, surface: SurfaceMap, sampling: Sampling, seed: int
-) -> Float32[np.ndarray, "2 h w"]:
-    """Light that reaches Lambertian surfaces by way of other surfaces and leaves towards the imager, both layers."""
+def _lamp_light(world: LoadedScene, surface: SurfaceMap, sampling: Sampling, seed: int) -> Float32[np.ndarray, "h w"]:
+    """Light of the lamps after one Lambertian reflection."""
     mi = backend.mitsuba()
     import drjit as dr
 
-    stride, n = sampling.indirect_stride_px, sampling.indirect_directions
-    coarse = surface.every(stride)
+    n = sampling.lamp_points
+    coarse = surface.every(sampling.lamp_stride_px)
+    samples = SampleSet.sobol(n, 1, seed=seed)
+    si, point, sample, albedo = _points_on(world, coarse, n)
+    radiance = dr.zeros(mi.Float, dr.width(point))
+    for lamp in world.lamps:
+        place, direction, density = lamp.connection(si.p, *(samples.uniform(sample, point, d) for d in range(2)))
+        cosine = dr.dot(si.n, direction)
+        lit = (albedo > 0) & (cosine > 0) & (density > 0)
+        lit &= ~world.scene.ray_test(si.spawn_ray_to(place), coherent=True, active=lit)
+        radiance += dr.select(lit, albedo * dr.inv_pi * cosine * lamp.radiance / density, 0)
+    field = _pixel_means([radiance], n).reshape(1, *coarse.body.shape)
+    return coarse.interpolated(field, surface, sampling.lamp_stride_px)[0]
+
+
+def _indirect_light(
+    world: LoadedScene, light: ProjectorLight, surface: SurfaceMap, sampling: Sampling, seed: int
+) -> Float32[np.ndarray, "2 h w"]:
+    """Light that reaches Lambertian surfaces from the surroundings or by way of other surfaces, both layers."""
+    mi = backend.mitsuba()
+
+    n = sampling.indirect_directions
+    coarse = surface.every(sampling.indirect_stride_px)
     samples = SampleSet.sobol(n, sampling.max_depth, seed=seed)
-    index = dr.arange(mi.UInt32, coarse.body.size * n)
-    point, sample = index // n, index % n
-    position, normal = (
-        mi.Vector3f(*(dr.gather(mi.Float, mi.Float(np.ascontiguousarray(a[..., k].ravel())), point) for k in range(3)))
-        for a in (coarse.position, coarse.normal)
-    )
-    body = dr.gather(mi.UInt32, mi.UInt32(coarse.body.ravel().astype(np.uint32)), point)
+    si, point, sample, albedo = _points_on(world, coarse, n)
     lobe = mi.warp.square_to_cosine_hemisphere(
         mi.Point2f(samples.uniform(sample, point, 0), samples.uniform(sample, point, 1))
     )
-    si = dr.zeros(mi.SurfaceInteraction3f, dr.width(index))
-    si.t, si.p, si.n = mi.Float(1), mi.Point3f(position), mi.Normal3f(normal)
-    ray = si.spawn_ray(mi.Frame3f(normal).to_world(lobe))
-    albedo = dr.gather(mi.Float, world.albedo_of_body, body)
     paths = trace_paths(
         world,
         light,
-        ray,
+        si.spawn_ray(mi.Frame3f(si.n).to_world(lobe)),
         point,
         sample,
         samples,
@@ -205,8 +210,28 @@ def _indirect_light(
         filtered=sampling.filtered,
         projector_shadows=sampling.projector_shadows,
     )
-    fields = _pixel_means([layer * albedo for layer in paths], n)
-    return coarse.interpolated(fields.reshape(-1, *coarse.body.shape), surface, stride)
+    fields = _pixel_means([layer * albedo for layer in paths], n).reshape(2, *coarse.body.shape)
+    return coarse.interpolated(fields, surface, sampling.indirect_stride_px)
+
+
+def _points_on(world: LoadedScene, coarse: SurfaceMap, n: int) -> tuple[Any, Any, Any, Any]:
+    """Interactions at the map's points, n consecutive ones for each, with the indices of point and sample, and albedo.
+
+    The albedo is 0 where there is no Lambertian surface.
+    """
+    mi = backend.mitsuba()
+    import drjit as dr
+
+    index = dr.arange(mi.UInt32, coarse.body.size * n)
+    point, sample = index // n, index % n
+    position, normal = (
+        [dr.gather(mi.Float, mi.Float(np.ascontiguousarray(a[..., k].ravel())), point) for k in range(3)]
+        for a in (coarse.position, coarse.normal)
+    )
+    si = dr.zeros(mi.SurfaceInteraction3f, dr.width(index))
+    si.t, si.p, si.n = mi.Float(1), mi.Point3f(*position), mi.Normal3f(*normal)
+    body = dr.gather(mi.UInt32, mi.UInt32(coarse.body.ravel().astype(np.uint32)), point)
+    return si, point, sample, dr.gather(mi.Float, world.albedo_of_body, body)
 
 
 def _pixel_means(values: Sequence[Any], n: int) -> Float32[np.ndarray, "c pixels"]:

@@ -31,7 +31,7 @@ class SurfaceMap:
     position: Float32[np.ndarray, "h w 3"]
     """[m]; 0 where there is none."""
     normal: Float32[np.ndarray, "h w 3"]
-    """Geometric unit normal, turned towards the imager; 0 where there is none."""
+    """Unit normal (the exact one where the mesh carries it), on the side that the imager sees; 0 where there is none."""
 
     def every(self, stride: int) -> "SurfaceMap":
         """The map at every `stride`-th pixel, starting at stride // 2."""
@@ -96,10 +96,10 @@ def surface_map(world: LoadedScene, intrinsics: Intrinsics, T_world_imager: Rigi
     index = dr.arange(mi.UInt32, shape[0] * shape[1])
     row = index // shape[1]
     ray = imager.ray(mi.Float(index - row * shape[1]), mi.Float(row))
-    si = world.scene.ray_intersect(ray, mi.RayFlags.Minimal, coherent=True)
+    si = world.scene.ray_intersect(ray, mi.RayFlags.All, coherent=True)
     body = world.body(si)
     hit = si.is_valid()
-    normal = dr.select(hit, dr.mulsign(si.n, -dr.dot(si.n, ray.d)), 0)
+    normal = dr.select(hit, dr.mulsign(si.sh_frame.n, -dr.dot(si.n, ray.d)), 0)
     position = dr.select(hit, si.p, 0)
     dr.eval(body, normal, position)
     return SurfaceMap(

@@ -14,6 +14,10 @@ WHOLE = SensorSettings(crop=None, depth=DepthFormat(unit=1e-4))
 """All of the image, as the datasheet's figures are for 80 % of it, in steps of 0.1 mm, finer than the noise."""
 
 
+SUBPIXEL_LIMIT = 0.3
+"""Most sub-pixel noise [px]: the camera's own is 0.05-0.1, OpenCV's parabola fit adds its pull to whole pixels."""
+
+
 def lit_wall(distance: float):
     """A wall in the light of one lamp behind the camera, about 1 W/m^2."""
     return wall(distance, Matte("wall", 0.5), (lamp_at([-1.0, 0.0, 1.0], [distance, 0, 0], 0.4, 20.0),))
@@ -59,7 +63,7 @@ def test_noise_grows_as_z_squared():
         )
         subpixel.append(np.nanpercentile(np.abs(residual - np.nanmedian(residual)), 68))
     assert max(subpixel) / min(subpixel) < 2
-    assert 0.02 < max(subpixel) < 0.2
+    assert 0.02 < max(subpixel) < SUBPIXEL_LIMIT
 
 
 def test_left_band_is_invalid():
