@@ -88,14 +88,14 @@ def _observed_run(
 ) -> Reconstruction:
     """Run the loop under a progress display."""
     with progress_bar() as progress:
-        task = progress.add_task("first view", total=config.parameters.max_iterations + 1)
+        task = progress.add_task("first view", total=config.parameters.max_iterations)
 
         def observe(acquisition: Acquisition) -> None:
             write_view(folder, acquisition.index, recorder.observe(acquisition))
             coverage = 100 * recorder.rows[-1]["coverage_5mm"]
             progress.update(
                 task,
-                completed=acquisition.nbv_iteration + 1,
+                completed=acquisition.nbv_iteration,
                 description=f"acquisition {acquisition.index + 1}, coverage {coverage:.0f} %, NBV iteration",
             )
 
