@@ -32,19 +32,33 @@ def read_cad_file(path: Path) -> list[RawBody]:
         raise InputError(
             f"{path}: cannot be read as {_format(path)} ({_first_line(error)}); export it again"
         ) from error
-    bodies: list[RawBody] = []
-    for node in sorted(scene.graph.nodes_geometry):
+    pieces: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
+    for node in scene.graph.nodes_geometry:
         matrix, geometry_name = scene.graph[node]
         geometry = scene.geometry[geometry_name]
         if isinstance(geometry, trimesh.Trimesh) and len(geometry.faces):
-            name = path.stem if len(scene.graph.nodes_geometry) == 1 else str(node)
             used, faces = np.unique(geometry.faces, return_inverse=True)
             vertices = trimesh.transform_points(np.asarray(geometry.vertices, float)[used], matrix)
-            bodies.append(RawBody(name, vertices, faces.reshape(-1, 3)))
-    if not bodies:
+            pieces.setdefault(_body_name(scene, node, geometry), []).append((vertices, faces.reshape(-1, 3)))
+    if not pieces:
         what = "points or curves but no triangles" if scene.geometry else "no geometry"
         raise InputError(f"{path}: the file is empty: it holds {what}; export the solid as a mesh")
-    return bodies
+    if len(pieces) == 1:
+        pieces = {path.stem: next(iter(pieces.values()))}
+    return [RawBody(name, *_together(pieces[name])) for name in sorted(pieces)]
+
+
+def _body_name(scene: trimesh.Scene, node: str, geometry: trimesh.Trimesh) -> str:
+    """Name of the node; glTF primitives of one mesh (CAD kernels write one per face) go by the node that they share."""
+    shared = geometry.metadata.get("from_gltf_primitive", False)
+    return str(scene.graph.transforms.parents[node] if shared else node)
+
+
+def _together(pieces: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices and faces of several meshes as one."""
+    offsets = np.cumsum([0, *(len(vertices) for vertices, _ in pieces)])
+    faces = [faces + offset for (_, faces), offset in zip(pieces, offsets, strict=False)]
+    return np.concatenate([vertices for vertices, _ in pieces]), np.concatenate(faces)
 
 
 def _check_file(path: Path) -> None:

@@ -12,7 +12,7 @@ def turned_outward(
     """The same triangles with every connected surface wound consistently and outward, and how many were turned.
 
     vertices: corners [m]. A surface that lies wholly inside another one is a cavity and looks into itself.
-    An open surface has no outside; it is turned as if its centroid were inside.
+    An open surface has no outside; it keeps the winding that most of its triangles have.
     """
     place = welded(vertices)[faces]
     points = np.zeros((place.max() + 1, 3))
@@ -25,7 +25,7 @@ def turned_outward(
     for own, box in zip(members, boxes, strict=True):
         around = (boxes[:, 0] < box[0]).all(axis=1) & (boxes[:, 1] > box[1]).all(axis=1)
         cavity = bool(around.any()) and _inside(points, place[own], place[around[shell]])
-        if (signed_volume(points, place[own]) > 0) == cavity:
+        if _is_closed(place[own]) and (signed_volume(points, place[own]) > 0) == cavity:
             turned[own] ^= True
     return np.where(turned[:, None], faces[:, ::-1], faces), int(turned.sum())
 
@@ -48,6 +48,11 @@ def _against_neighbours(faces: Int[np.ndarray, "m 3"]) -> Bool[np.ndarray, "m"]:
     turned = label[:count] != label[first][shell]
     mostly = np.bincount(shell, weights=turned) > 0.5 * np.bincount(shell)
     return turned ^ mostly[shell]
+
+
+def _is_closed(faces: Int[np.ndarray, "m 3"]) -> bool:
+    """Whether every edge of these triangles lies between two of them."""
+    return 2 * len(shared_edges(faces).half_edges) == 3 * len(faces)
 
 
 def _box(points: Float[np.ndarray, "n 3"], faces: Int[np.ndarray, "m 3"]) -> Float[np.ndarray, "2 3"]:

@@ -79,6 +79,16 @@ def test_inside_out_parts_are_turned_and_cavities_kept():
             assert signed_volume(vertices, mended) == pytest.approx(8.0)
 
 
+def test_an_open_surface_keeps_its_winding():
+    """The side of a bore looks at its own axis: nothing but its file knows that, since it encloses nothing."""
+    made = trimesh.creation.cylinder(radius=1, height=2, sections=24)
+    side = np.asarray(made.faces, np.int64)[np.abs(made.face_normals[:, 2]) < 0.5][:, ::-1]
+    for faces in (side, side[:, ::-1]):
+        mended, turned = turned_outward(np.asarray(made.vertices, float), faces)
+        assert turned == 0
+        np.testing.assert_array_equal(mended, faces)
+
+
 def test_a_bolt_in_its_block_is_no_cavity():
     """Two cubes that overlap in part both look outward: 8 + 8."""
     vertices, faces = together(cube(2.0), cube(2.0, (0.7, 0.6, 0.5)))

@@ -1,6 +1,7 @@
 """CAD files that users bring: units, names, materials, rest on the table, and a line for everything that is wrong."""
 
 import importlib.util
+import json
 import re
 from pathlib import Path
 
@@ -42,6 +43,31 @@ def assembly() -> trimesh.Scene:
     return scene
 
 
+def split_into_primitives(path: Path) -> tuple[dict, bytes]:
+    """JSON tree and binary chunk of a GLB whose only primitive is cut into one per four triangles."""
+    data = path.read_bytes()
+    length = int.from_bytes(data[12:16], "little")
+    tree, binary = json.loads(data[20 : 20 + length]), data[20 + length + 8 :]
+    (primitive,) = tree["meshes"][0]["primitives"]
+    indices = tree["accessors"][primitive["indices"]]
+    size = {5123: 2, 5125: 4}[indices["componentType"]]
+    pieces = []
+    for start in range(0, indices["count"], 12):
+        pieces.append({**primitive, "indices": len(tree["accessors"])})
+        tree["accessors"].append({**indices, "count": 12, "byteOffset": indices.get("byteOffset", 0) + start * size})
+    tree["meshes"][0]["primitives"] = pieces
+    return tree, binary
+
+
+def packed(tree: dict, binary: bytes) -> bytes:
+    """GLB of a JSON tree and a binary chunk (glTF 2.0, section 4.4)."""
+    text = json.dumps(tree).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = [(text, b"JSON"), (binary, b"BIN\0")]
+    body = b"".join(len(chunk).to_bytes(4, "little") + kind + chunk for chunk, kind in chunks)
+    return b"glTF" + (2).to_bytes(4, "little") + (12 + len(body)).to_bytes(4, "little") + body
+
+
 def extent(part: UserPart) -> np.ndarray:
     """Lowest and highest corner of all bodies [m]."""
     corners = np.concatenate([body.mesh.vertices for body in part.bodies])
@@ -81,6 +107,21 @@ def test_glb_bodies_keep_names_places_and_materials(tmp_path):
     ball = next(body for body in upright.bodies if body.name == "ball")
     middle = (ball.mesh.vertices.min(axis=0) + ball.mesh.vertices.max(axis=0)) / 2
     np.testing.assert_allclose(middle, [0, 0, 0.045], atol=1e-6)
+
+
+def test_faces_of_a_cad_kernels_glb_are_one_body(tmp_path):
+    """CAD kernels write each face as a primitive of its own; together they are one closed body."""
+    made = box_mm()
+    made.apply_scale(1e-3)
+    scene = trimesh.Scene(made)
+    path = stored(tmp_path, "faces.glb", scene)
+    tree, chunks = split_into_primitives(path)
+    path.write_bytes(packed(tree, chunks))
+    part = load_user_part(path, None, STEEL, up="z")
+    (body,) = part.bodies
+    assert part.notices == ()
+    assert open_edge_count(body.mesh) == 0
+    assert len(body.mesh.faces) == 12
 
 
 def test_obj_objects_are_bodies(tmp_path):
