@@ -1,6 +1,6 @@
 """Every number of the method in one frozen model, each with its unit and its source.
 
-"Table" is the parameter table of the FRA-NBV paper (its fig. 6b); "text" is the paper's prose; "choice" is ours, with
+"Table" is the parameter table of the FRA-NBV paper; "text" is the paper's prose; "choice" is ours, with
 the reason. Lengths [m], angles [deg] where the name says so. The studies load it from YAML; unknown keys are refused.
 """
 

@@ -8,7 +8,7 @@ from franbv.parameters import Parameters
 
 
 def test_defaults_are_the_paper_s_table():
-    """Expected values are copied from the paper's parameter table (fig. 6b), in metres."""
+    """Expected values are copied from the paper's parameter table, in metres."""
     p = Parameters()
     assert (p.max_iterations, p.stagnation_change, p.stagnation_iterations) == (15, 0.01, 5)
     assert (p.voxel_size, p.n_frames, p.recovered_share) == (0.0075, 15, 0.3)
