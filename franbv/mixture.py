@@ -2,9 +2,9 @@
 
 Expectation maximisation is scikit-learn's: from the same start it ends after as many steps at the same parameters, to
 rounding. The start is k-means++ without the k-means after it (on clouds of voxels the criterion ends as low, to a third
-of its spread between seeds). A Gaussian's logarithm is linear in the monomials of degree two of a point, so that each
-step is two matrix products for all K at once; every K is tried in a quarter of scikit-learn's time, and no search
-heuristic stands between the cloud and the minimum of the criterion.
+of its spread between seeds). A Gaussian's logarithm is linear in a point's monomials up to degree two, so that a step is
+little more than two matrix products; every K is tried in a quarter of scikit-learn's time, and no search heuristic
+stands between the cloud and the minimum of the criterion.
 """
 
 from collections.abc import Sequence
@@ -26,8 +26,8 @@ REGULARISATION = 1.0 / 12.0
 collapses on a single voxel with unbounded likelihood."""
 
 Covariance = Literal["spherical", "full"]
-Parts = tuple[Float[np.ndarray, "_"], Float[np.ndarray, "_ 3"], Float[np.ndarray, "_ 3 3"]]
-"""Weights (k,), means (k, 3) and covariances (k, 3, 3) of a mixture; k differs from start to start."""
+Parts = tuple[Float[np.ndarray, "_"], Float[np.ndarray, "_ 3"], Float[np.ndarray, "..."]]
+"""Weights (k,), means (k, 3) and covariances of a mixture: variances (k,) of round components, else (k, 3, 3)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,8 @@ class Mixture:
 
     weights: Float[np.ndarray, "k"]
     means: Float[np.ndarray, "k 3"]
-    covariances: Float[np.ndarray, "k 3 3"]
+    covariances: Float[np.ndarray, "k *cov"]
+    """Variances (k,) of round components, else (k, 3, 3)."""
     log_likelihood: float
     """Mean over the points."""
     labels: Int[np.ndarray, "n"]
@@ -62,8 +63,8 @@ def select_mixture(
 ) -> tuple[Mixture, Float[np.ndarray, "fits"]]:
     """The mixture of least BIC among K = 1..max_components (at most n), and the criterion for every K.
 
-    points: at least one [voxels]. The greedy k-means++ seeds are drawn once; K starts from
-    the cells of the first K of them.
+    points: at least one [voxels]. The greedy k-means++ seeds are drawn once; K starts from the cells of
+    the first K of them.
     """
     n_seeds = min(max_components, len(points))
     with _threads().limit(limits=1):  # two threads are slower than one on clouds this small
@@ -90,7 +91,7 @@ def start_from_labels(points: Float[np.ndarray, "n 3"], labels: Int[np.ndarray, 
     """Weights, means and covariances of hard clusters."""
     origin = points.mean(axis=0)
     members = np.equal.outer(np.arange(labels.max() + 1), labels).astype(float)
-    weights, means, covariances = _maximise(members @ _monomials(points - origin), covariance)
+    weights, means, covariances = _maximise(members @ _monomials(points - origin, covariance))
     return weights / len(points), means + origin, covariances
 
 
@@ -102,7 +103,7 @@ def expectation_maximisation(
     They run side by side with their components stacked; one whose likelihood stands still drops out.
     """
     origin = points.mean(axis=0)  # monomials of centred points lose no digits
-    monomials = _monomials(points - origin)
+    monomials = _monomials(points - origin, covariance)
     transposed = np.ascontiguousarray(monomials.T)
     sizes = np.array([len(start[0]) for start in starts])
     weights, means, covariances = (np.concatenate(parts) for parts in zip(*starts, strict=True))
@@ -114,7 +115,7 @@ def expectation_maximisation(
         parts = weights[rows], means[rows], covariances[rows]
         responsibilities, now = _expect(transposed, parts, sizes[running])
         moments = np.concatenate([share @ monomials for share in responsibilities])
-        mass, means[rows], covariances[rows] = _maximise(moments, covariance)
+        mass, means[rows], covariances[rows] = _maximise(moments)
         weights[rows] = mass / len(points)
         n_iterations[running] += 1
         change = np.abs(now - likelihoods[running])
@@ -135,22 +136,31 @@ def expectation_maximisation(
     ]
 
 
-def _monomials(points):
-    """(n, 10): 1, x, y, z, xx, yy, zz, xy, xz, yz of each point."""
+def _monomials(points, covariance):
+    """(n, 5): 1, x, y, z, r^2 of each point; for full covariances (n, 10): 1, x, y, z, xx, yy, zz, xy, xz, yz."""
     x, y, z = points.T
+    if covariance == "spherical":
+        return np.column_stack([np.ones(len(points)), points, x * x + y * y + z * z])
     return np.column_stack([np.ones(len(points)), points, points * points, x * y, x * z, y * z])
+
+
+def _log_densities(weights, means, covariances):
+    """Coefficients (k, 5 or 10) of the logarithm of each weighted component in the monomials."""
+    if covariances.ndim == 1:
+        linear = means / covariances[:, None]
+        quadratic, log_determinant = -0.5 / covariances[:, None], 3.0 * np.log(covariances)
+    else:
+        precisions = np.linalg.inv(covariances)
+        linear = np.einsum("kij,kj->ki", precisions, means)
+        quadratic = -precisions[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]] * [0.5, 0.5, 0.5, 1.0, 1.0, 1.0]
+        log_determinant = np.log(np.linalg.det(covariances))
+    exponent = np.sum(linear * means, axis=1) + log_determinant + 3.0 * np.log(2.0 * np.pi)
+    return np.column_stack([np.log(weights) - 0.5 * exponent, linear, quadratic])
 
 
 def _expect(monomials, parts, sizes):
     """Responsibilities (k, n) of each of the stacked mixtures, and their mean log-likelihoods (fits,)."""
-    weights, means, covariances = parts
-    precisions = np.linalg.inv(covariances)
-    linear = np.einsum("kij,kj->ki", precisions, means)
-    constant = np.log(weights) - 0.5 * (
-        np.log(np.linalg.det(covariances)) + 3.0 * np.log(2.0 * np.pi) + np.sum(linear * means, axis=1)
-    )
-    diagonal, mixed = precisions[:, [0, 1, 2], [0, 1, 2]], precisions[:, [0, 0, 1], [1, 2, 2]]
-    coefficients = np.column_stack([constant, linear, -0.5 * diagonal, -mixed])
+    coefficients = _log_densities(*parts)
     responsibilities, log_likelihoods, end = [], [], 0
     for size in sizes:
         end += size
@@ -165,15 +175,14 @@ def _expect(monomials, parts, sizes):
     return responsibilities, np.array(log_likelihoods)
 
 
-def _maximise(moments, covariance):
-    """Mass (k,), means and covariances of greatest likelihood from the moments (k, 10) of each component."""
+def _maximise(moments):
+    """Mass (k,), means and covariances of greatest likelihood from the moments (k, 5 or 10) of each component."""
     mass = moments[:, 0] + 10.0 * np.finfo(float).eps  # scikit-learn's guard against a component without points
     means = moments[:, 1:4] / mass[:, None]
+    if moments.shape[1] == 5:
+        return mass, means, (moments[:, 4] / mass - np.sum(means * means, axis=1)) / 3.0 + REGULARISATION
     second = moments[:, [4, 7, 8, 7, 5, 9, 8, 9, 6]].reshape(-1, 3, 3) / mass[:, None, None]
-    covariances = second - means[:, :, None] * means[:, None, :]
-    if covariance == "spherical":
-        covariances = np.multiply.outer(np.trace(covariances, axis1=1, axis2=2) / 3.0, np.eye(3))
-    return mass, means, covariances + REGULARISATION * np.eye(3)
+    return mass, means, second - means[:, :, None] * means[:, None, :] + REGULARISATION * np.eye(3)
 
 
 @cache
