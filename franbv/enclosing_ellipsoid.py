@@ -62,7 +62,7 @@ def _optimal_weights(sets, tolerance):
     for _ in range(MAX_STEPS):
         most = np.argmax(leverage, axis=1)
         if np.all(leverage[rows, most] <= enough):
-            break
+            return weights
         least = np.argmin(np.where(weights > 0.0, leverage, np.inf), axis=1)
         towards = leverage[rows, most] - 4.0 >= 4.0 - leverage[rows, least]
         chosen = np.where(towards, most, least)
@@ -78,7 +78,7 @@ def _optimal_weights(sets, tolerance):
         inverse = (inverse - factor[:, None, None] * outer) / rest[:, :, None]
         weights *= rest
         weights[rows, chosen] = np.maximum(weights[rows, chosen] + size, 0.0)
-    return weights
+    raise RuntimeError(f"no enclosing ellipsoids within {tolerance} of the smallest after {MAX_STEPS} steps")
 
 
 def _step(leverage, weight):
