@@ -81,6 +81,28 @@ def test_sphere_off_the_axis_is_an_ellipse():
     np.testing.assert_allclose(centres[0], [edges.mean(), square.cy], rtol=1e-9)
 
 
+def test_dual_conic_is_the_papers():
+    """Eq. (1) to the letter: P = K [R | t], Q of order 4 with x^T Q x = 0 on the surface; equal up to scale.
+
+    Q = [[A, -A c], [-c^T A, c^T A c - 1]] with A = S^-1; Phi is also tangent to what points of the surface project to.
+    """
+    body = ellipsoid([0.02, -0.03, 0.05], [0.03, 0.05, 0.02], (0.3, 1.0, -0.4))
+    T = look_at(np.array([0.2, -0.25, 0.3]), np.array([0.0, 0.02, 0.03]))
+    A, c = np.linalg.inv(body.shapes[0]), body.centres[0]
+    Q = np.block([[A, -(A @ c)[:, None]], [-(A @ c)[None], c @ A @ c - 1.0]])
+    homogeneous = np.column_stack([surface(body), np.ones(300 * 600)])
+    np.testing.assert_allclose(np.einsum("ni,ij,nj->n", homogeneous, Q, homogeneous), 0.0, atol=1e-9)
+    P = SENSOR.matrix @ T.inv().as_matrix()[:3]
+    expected = P @ np.linalg.inv(Q) @ P.T
+    ours = dual_conics(*in_camera_frame(body, T), SENSOR)[0]
+    np.testing.assert_allclose(ours / ours[2, 2], expected / expected[2, 2], rtol=1e-9)
+    Phi = np.linalg.inv(expected / expected[2, 2])
+    pixels = np.column_stack([project(T.inv().apply(surface(body)), SENSOR), np.ones(300 * 600)])
+    inside = np.einsum("ni,ij,nj->n", pixels, Phi, pixels) * np.sign(Phi[0, 0])
+    assert inside.max() <= 1e-9 * np.abs(Phi).max()
+    assert inside.max() >= -DISCRETE * np.abs(inside).max()
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_area_is_pi_a_b_and_that_of_projected_surface_points(seed):
     """Unclipped: the closed form in the image, pi sqrt(det E), and the hull of the projected surface agree."""
