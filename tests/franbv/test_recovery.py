@@ -235,6 +235,17 @@ def test_capacity_does_not_depend_on_the_map():
     assert gamma == pytest.approx(2 * 4 * 4 / 125)  # x = 0, 1 of 0..4; y, z = -2..1 of -2..2
 
 
+def test_region_grows_by_one_voxel_on_every_side():
+    """Half sides of 2.2, 2.2 and 0.6 voxels grow to 3.2, 3.2 and 1.6: centres -3..3, -3..3 and -1..1, 147 voxels.
+
+    Half a voxel would give 5 x 5 x 3, two voxels 9 x 9 x 5.
+    """
+    voxel_map = grid()
+    region = OrientedBox(np.zeros(3), np.eye(3), np.array([2.2, 2.2, 0.6]) * SIZE)
+    now = filled(voxel_map, (1, 1, 1))
+    assert recovery_index(np.zeros_like(now), now, region, voxel_map, PARAMETERS)[0] == pytest.approx(1 / 147)
+
+
 def test_voxels_in_a_turned_box():
     """Their number is the box's volume over a voxel's, for a large box, and each lies in the box on the lattice."""
     turn = Rotation.from_euler("xyz", [0.4, 0.7, -0.2]).as_matrix()
