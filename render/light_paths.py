@@ -2,7 +2,7 @@
 
 Projector and ambient light are carried side by side along the same path, since transport is linear. At each vertex the
 projector (a point) and one point on every lamp are connected; the path then follows a sample of the BSDF. Metal's BSDF
-samples that hit a lamp are weighted against the lamp connections by the balance heuristic (Veach 1997, ch. 9).
+samples that hit a lamp are weighted against the lamp connections by the power heuristic (Veach 1997, ch. 9).
 
 Two choices keep Monte-Carlo error below the imager's noise at few samples:
 - every pixel uses the *same* low-discrepancy sample set, so error varies over the image as slowly as the scene does,
@@ -29,7 +29,8 @@ from render.mitsuba_scene import FIRST_LAMP, LoadedScene
 DIMENSIONS_PIXEL = 2
 """Sample dimensions: position in the pixel."""
 DIMENSIONS_VERTEX = 5
-"""Sample dimensions per vertex: point on a lamp (2), BSDF component (1), BSDF direction (2)."""
+"""Sample dimensions per vertex: BSDF direction (2), point on a lamp (2), BSDF component (1). The direction comes first,
+since a Sobol' set is most even in its first dimensions."""
 FOOTPRINT_SIGMA = 0.5
 """Blur of the dots behind a glossy vertex, in units of the distance between samples (choice: the usual width of a
 Gaussian reconstruction filter)."""
@@ -219,10 +220,10 @@ def trace_paths(
         to_projector = light.position - si.p
         distance2 = dr.maximum(dr.squared_norm(to_projector), 1e-9)
         towards = to_projector * dr.rsqrt(distance2)
-        links = [lamp.connection(si.p, u[0], u[1]) for lamp in world.lamps]
+        links = [lamp.connection(si.p, u[2], u[3]) for lamp in world.lamps]
         directions = [si.to_local(towards), *(si.to_local(direction) for _, direction, _ in links)]
         values, onwards, bsdf_pdf, weight = _scatter(
-            si, directions, u[2], mi.Point2f(u[3], u[4]), connected, scattering
+            si, directions, u[4], mi.Point2f(u[0], u[1]), connected, scattering
         )
 
         footprint = _footprint(si, ray, towards, distance2, spread) if filtered else mi.Float(0)
@@ -238,8 +239,8 @@ def trace_paths(
         for lamp, (place, _, density), (f_cos, f_pdf) in zip(world.lamps, links, values[1:], strict=True):
             lit = connected & (f_cos > 0) & (density > 0)
             lit &= ~scene.ray_test(si.spawn_ray_to(place), coherent=i == 0, active=lit)
-            balance = dr.rcp(density + dr.select(glossy, f_pdf, 0))
-            from_lamps += dr.select(lit, beta * f_cos * lamp.radiance * balance, 0)
+            weight_over_density = density / (dr.square(density) + dr.select(glossy, dr.square(f_pdf), 0))
+            from_lamps += dr.select(lit, beta * f_cos * lamp.radiance * weight_over_density, 0)
 
         beta = beta * weight
         i += 1
@@ -268,7 +269,7 @@ def trace_paths(
 def light_met(world: LoadedScene, si: Any, ray: Any, body: Any, pdf: Any, i: Any, diffused: Any) -> Any:
     """Radiance that a ray brings from a lamp it meets or from outside the scene.
 
-    pdf: density of the ray's direction over solid angle; lamps met behind a glossy vertex are weighted by the balance
+    pdf: density of the ray's direction over solid angle; lamps met behind a glossy vertex are weighted by the power
     heuristic, behind a Lambertian one they count nothing, since they were connected there with full weight.
     """
     import drjit as dr
@@ -277,7 +278,7 @@ def light_met(world: LoadedScene, si: Any, ray: Any, body: Any, pdf: Any, i: Any
     for k, lamp in enumerate(world.lamps):
         cosine = -dr.dot(ray.d, lamp.normal)
         density = dr.square(si.t) / dr.maximum(cosine * lamp.area, 1e-9)
-        weight = dr.select(i == 0, 1, dr.select(diffused, 0, pdf / (pdf + density)))
+        weight = dr.select(i == 0, 1, dr.select(diffused, 0, dr.square(pdf) / (dr.square(pdf) + dr.square(density))))
         radiance += dr.select((body == FIRST_LAMP + k) & (cosine > 0), weight * lamp.radiance, 0)
     return radiance
 
