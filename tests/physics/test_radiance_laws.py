@@ -108,10 +108,11 @@ def _cosines(between, normal_here, normal_there):
 
 def test_mirror_shows_lamp_at_the_mirrored_place():
     """A near-mirror plate facing the camera shows a lamp beside the camera where the law of reflection says, at
-    radiance R0 L with R0 = ((n - 1)^2 + k^2) / ((n + 1)^2 + k^2)."""
+    radiance R0 L with R0 = ((n - 1)^2 + k^2) / ((n + 1)^2 + k^2); GGX's tails miss the lamp with under 0.5 % of the
+    light."""
     n, k = 3.249, 4.905
-    mirror = RoughConductor("mirror", n, k, 0.002, 0.002)
-    scene = wall(0.5, mirror, (lamp_at([0.0, -0.1, 0.05], [0.5, -0.1, 0.05], 0.03, 7.0),))
+    mirror = RoughConductor("mirror", n, k, 0.001, 0.001)
+    scene = wall(0.5, mirror, (lamp_at([0.0, -0.1, 0.05], [0.5, -0.1, 0.05], 0.06, 7.0),))
     image = layers_of(scene, Sampling(max_depth=1, glossy_paths=64)).ambient
     rig = d435i_rig("424x240")
     # The virtual lamp stands at twice the mirror's distance; camera x is world -y, camera y is world -z.
@@ -120,4 +121,4 @@ def test_mirror_shows_lamp_at_the_mirrored_place():
     )
     reflectance = ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2)
     assert image[v, u] == pytest.approx(7.0 * reflectance, rel=0.02)
-    assert image[v, u - 20] < 0.02 * image[v, u]
+    assert image[v, u - 30] < 0.02 * image[v, u]
