@@ -1,0 +1,64 @@
+"""Time of one full sensor burst at 640x360, whole and by stage, and of the whole reconstruction of part D."""
+
+import json
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from franbv.candidates import first_view
+from franbv.parameters import Parameters
+from render.d435i import SimulatedD435i
+from scenes.build import part_scene
+from tests.benchmarks.stopwatch import Stopwatch
+
+pytestmark = pytest.mark.benchmark
+
+N_FRAMES = 15
+"""N_k of the paper."""
+
+
+@pytest.fixture(scope="module")
+def camera() -> SimulatedD435i:
+    """Before part D, the part with most metal."""
+    return SimulatedD435i(part_scene("D"))
+
+
+def test_burst(camera: SimulatedD435i, stopwatch: Stopwatch):
+    """Both layers of both imagers, 15 noisy pairs, matched, decimated."""
+    pose = first_view(Parameters(), 0.0)
+    layers = camera.render(pose)
+    stopwatch.time("sensor burst, part D, 15 frames", lambda: camera.measure(pose, N_FRAMES), goal=1.0)
+    stopwatch.time("  of which both layers of both imagers", lambda: camera.render(pose))
+    stopwatch.time("  of which exposure, matching, decimation", lambda: camera.expose(pose, *layers, N_FRAMES))
+    stopwatch.time("truth maps", lambda: camera.truth(pose))
+
+
+def test_reconstruction_of_part_d(stopwatch: Stopwatch, tmp_path):
+    """The whole of `franbv reconstruct --part D --planner fra`, start of the program included."""
+    command = [
+        str(Path(sys.executable).with_name("franbv")),
+        "reconstruct",
+        "--part",
+        "D",
+        "--planner",
+        "fra",
+        "--json",
+    ]
+    results = []
+
+    def run() -> None:
+        out = tmp_path / str(len(results))
+        done = subprocess.run([*command, "--out", str(out)], capture_output=True, text=True, check=True)
+        results.append(json.loads(done.stdout.splitlines()[-1]))
+
+    stopwatch.time("reconstruct part D with FRA, from the command line", run, n=1, goal=90.0, warm_up=0)
+    result = results[0]
+    stopwatch.note(
+        f"that run: {result['acquisitions']} acquisitions, coverage {result['coverage_5mm']:.3f}, medians of planning "
+        f"{result['planning_s_median']:.3f} s and sensing {result['sensing_s_median']:.3f} s"
+    )
+    peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+    stopwatch.note(f"peak memory of that run: {peak:.0f} MiB")
