@@ -31,7 +31,7 @@ class SurfaceMap:
     position: Float32[np.ndarray, "h w 3"]
     """[m]; 0 where there is none."""
     normal: Float32[np.ndarray, "h w 3"]
-    """Unit normal (the exact one where the mesh carries it), on the side that the imager sees; 0 where there is none."""
+    """Unit normal (exact where the mesh carries it), on the side that the imager sees; 0 where there is none."""
 
     def every(self, stride: int) -> "SurfaceMap":
         """The map at every `stride`-th pixel, starting at stride // 2."""
