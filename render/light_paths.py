@@ -1,7 +1,7 @@
 """Light paths from an imager through the scene: what the projector and the lamps add at every vertex.
 
 Projector and ambient light are carried side by side along the same path, since transport is linear. At each vertex the
-projector (a point) and one point on every lamp are connected; the path then follows a sample of the BSDF. Metal's BSDF
+projector (a point) and one point on a lamp are connected; the path then follows a sample of the BSDF. Metal's BSDF
 samples that hit a lamp are weighted against the lamp connections by the power heuristic (Veach 1997, ch. 9).
 
 Two choices keep Monte-Carlo error below the imager's noise at few samples:
@@ -23,98 +23,17 @@ from scipy.stats import qmc
 
 from franbv.frames import Intrinsics
 from render import backend
-from render.dot_pattern import BLUR_LEVELS, FIELD_MARGIN, HALF_FIELD, DotPattern
 from render.mitsuba_scene import FIRST_LAMP, LoadedScene
+from render.projector_light import ProjectorLight
 
 DIMENSIONS_PIXEL = 2
 """Sample dimensions: position in the pixel."""
-DIMENSIONS_VERTEX = 5
-"""Sample dimensions per vertex: BSDF direction (2), point on a lamp (2), BSDF component (1). The direction comes first,
-since a Sobol' set is most even in its first dimensions."""
+DIMENSIONS_VERTEX = 6
+"""Sample dimensions per vertex: BSDF direction (2), point on lamps (2), BSDF component, lamp. The direction comes
+first, since a Sobol' set is most even in its first dimensions."""
 FOOTPRINT_SIGMA = 0.5
 """Blur of the dots behind a glossy vertex, in units of the distance between samples (choice: the usual width of a
 Gaussian reconstruction filter)."""
-
-
-@dataclass(frozen=True, eq=False)
-class ProjectorLight:
-    """The dot projector as a point light with a pattern, on the device."""
-
-    sharp: Any
-    blurred: Any
-    sigma: float
-    mean: Any
-    """Mean of s over the field, with s the radiance of a white wall at 1 m [W m^-2 sr^-1]."""
-    position: Any
-    world_to_projector: Any
-    """Rotation (3, 3)."""
-
-    @classmethod
-    def at(cls, T_world_projector: RigidTransform, pattern: DotPattern, mean: float) -> "ProjectorLight":
-        """The projector at a pose, upload included."""
-        mi = backend.mitsuba()
-        import drjit as dr
-
-        rotation = T_world_projector.rotation.as_matrix().T
-        light = cls(
-            mi.Texture2f(mi.TensorXf(pattern.sharp[..., None]), wrap_mode=dr.WrapMode.Clamp),
-            mi.Texture3f(mi.TensorXf(pattern.blurred[..., None]), wrap_mode=dr.WrapMode.Clamp),
-            pattern.sigma,
-            mi.Float(mean),
-            mi.Point3f(*T_world_projector.translation.tolist()),
-            mi.Matrix3f(rotation.tolist()),
-        )
-        # Opaque, so that every pose runs the same compiled kernel.
-        dr.make_opaque(light.mean, light.position, light.world_to_projector)
-        return light
-
-    def moved(self, T_world_projector: RigidTransform, mean: float) -> "ProjectorLight":
-        """The same pattern at another pose, without a new upload."""
-        mi = backend.mitsuba()
-        import drjit as dr
-
-        rotation = T_world_projector.rotation.as_matrix().T
-        light = ProjectorLight(
-            self.sharp,
-            self.blurred,
-            self.sigma,
-            mi.Float(mean),
-            mi.Point3f(*T_world_projector.translation.tolist()),
-            mi.Matrix3f(rotation.tolist()),
-        )
-        dr.make_opaque(light.mean, light.position, light.world_to_projector)
-        return light
-
-    def white_wall_radiance(self, direction: Any, footprint: Any, active: Any) -> tuple[Any, Any]:
-        """s [W m^-2 sr^-1] towards `direction` (world, from the projector), and the cosine to the projector's axis.
-
-        footprint: standard deviation of the blur in the plane at unit distance, 0 = sharp dots and a hard field edge.
-        """
-        mi = backend.mitsuba()
-        import drjit as dr
-
-        local = self.world_to_projector @ direction
-        ahead = active & (local.z > 1e-3)
-        scale = dr.rcp(dr.select(ahead, local.z, 1.0))
-        half_x, half_y = HALF_FIELD
-        uv = mi.Point2f(local.x * scale / (2 * half_x) + 0.5, local.y * scale / (2 * half_y) + 0.5)
-        in_field = ahead & (uv.x > 0) & (uv.x < 1) & (uv.y > 0) & (uv.y < 1)
-        is_sharp = footprint <= 0
-        level = dr.clip(_blur_level(footprint / self.sigma), 0, BLUR_LEVELS - 1)
-        margin = 1 + FIELD_MARGIN
-        uv_wide = mi.Point2f((uv.x - 0.5) / margin + 0.5, (uv.y - 0.5) / margin + 0.5)
-        w = (level + 0.5) / BLUR_LEVELS
-        near_field = ahead & (uv_wide.x > 0) & (uv_wide.x < 1) & (uv_wide.y > 0) & (uv_wide.y < 1)
-        blurred = self.blurred.eval(mi.Point3f(uv_wide.x, uv_wide.y, w), near_field & ~is_sharp)[0]
-        sharp = dr.select(in_field, self.sharp.eval(uv, in_field & is_sharp)[0], 0.0)
-        return self.mean * dr.select(is_sharp, sharp, dr.select(near_field, blurred, 0.0)), local.z
-
-
-def _blur_level(blur: Any) -> Any:
-    """Index of the blurred copy, fractional; blur in units of a sharp dot's sigma. Copy l is blurred by 2^(l - 1)."""
-    import drjit as dr
-
-    return dr.select(blur < 1, blur, 1 + dr.log2(dr.maximum(blur, 1)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +121,7 @@ def trace_paths(
     mi = backend.mitsuba()
     import drjit as dr
 
-    scene, n = world.scene, dr.width(pixel)
+    scene, n, closed = world.scene, dr.width(pixel), world.source.ambient_radiance == 0
 
     def vertex(ray, from_projector, from_lamps, beta, active, i, pdf, diffused, spread):
         si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=i == 0, active=active)
@@ -236,19 +155,21 @@ def trace_paths(
         irradiance = dr.pi * s / (dr.maximum(cos_axis**3, 1e-6) * distance2)
         from_projector += dr.select(lit, beta * f_cos * irradiance, 0)
 
-        for lamp, (place, _, density), (f_cos, f_pdf) in zip(world.lamps, links, values[1:], strict=True):
-            lit = connected & (f_cos > 0) & (density > 0)
-            lit &= ~scene.ray_test(si.spawn_ray_to(place), coherent=i == 0, active=lit)
-            weight_over_density = density / (dr.square(density) + dr.select(glossy, dr.square(f_pdf), 0))
-            from_lamps += dr.select(lit, beta * f_cos * lamp.radiance * weight_over_density, 0)
+        place, arriving = _chosen_lamp(world, links, values[1:], glossy, u[5])
+        lit = connected & (arriving > 0)
+        lit &= ~scene.ray_test(si.spawn_ray_to(place), coherent=i == 0, active=lit)
+        from_lamps += dr.select(lit, beta * arriving, 0)
 
         beta = beta * weight
         i += 1
-        active = scattering & (bsdf_pdf > 0) & (beta > 0)
+        diffused |= ~glossy
+        # After the last vertex a path may still meet what was not connected: a lamp seen in metal, the surroundings.
+        useful = (i < max_depth) | ~diffused if closed else mi.Bool(True)
+        active = scattering & (bsdf_pdf > 0) & (beta > 0) & useful
         spread = spread + dr.rcp(samples.n * dr.maximum(bsdf_pdf, 1e-6))
         return (
             si.spawn_ray(si.to_world(onwards)), from_projector, from_lamps, beta, active, i,
-            bsdf_pdf, diffused | ~glossy, spread,
+            bsdf_pdf, diffused, spread,
         )  # fmt: skip
 
     state = (
@@ -281,6 +202,27 @@ def light_met(world: LoadedScene, si: Any, ray: Any, body: Any, pdf: Any, i: Any
         weight = dr.select(i == 0, 1, dr.select(diffused, 0, dr.square(pdf) / (dr.square(pdf) + dr.square(density))))
         radiance += dr.select((body == FIRST_LAMP + k) & (cosine > 0), weight * lamp.radiance, 0)
     return radiance
+
+
+def _chosen_lamp(
+    world: LoadedScene, links: list[Any], values: list[tuple[Any, Any]], glossy: Any, u: Any
+) -> tuple[Any, Any]:
+    """A point on one of the lamps and what all of them bring if nothing hides it.
+
+    One is drawn in proportion to what it brings unhidden (resampled importance sampling: Talbot et al. 2005), so that
+    one shadow ray serves all lamps and only their visibility is left to chance.
+    """
+    mi = backend.mitsuba()
+    import drjit as dr
+
+    place, total, bounds = mi.Point3f(0), mi.Float(0), []
+    for lamp, (_, _, density), (f_cos, f_pdf) in zip(world.lamps, links, values, strict=True):
+        weight_over_density = density / (dr.square(density) + dr.select(glossy, dr.square(f_pdf), 0))
+        bounds.append(total)
+        total = total + dr.select((f_cos > 0) & (density > 0), f_cos * lamp.radiance * weight_over_density, 0)
+    for bound, (candidate, _, _) in zip(bounds, links, strict=True):
+        place = dr.select(u * total >= bound, candidate, place)
+    return place, total
 
 
 def _scatter(

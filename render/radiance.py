@@ -17,8 +17,9 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
 from render import backend
-from render.light_paths import Imager, ProjectorLight, SampleSet, light_met, trace_paths
+from render.light_paths import Imager, SampleSet, light_met, trace_paths
 from render.mitsuba_scene import LoadedScene
+from render.projector_light import ProjectorLight
 from render.surface import SurfaceMap, surface_map
 
 PATHS_PER_LAUNCH = 4_000_000
@@ -35,11 +36,15 @@ class Sampling:
     """Points on every lamp that light a Lambertian surface."""
     lamp_stride_px: int = 2
     """Distance of the pixels at which that light is computed."""
-    glossy_paths: int = 64
-    """Paths of a pixel that sees a glossy surface."""
-    indirect_directions: int = 64
+    glossy_paths: int = 32
+    """Paths of a pixel that sees a glossy surface, at first."""
+    refined_share: float = 0.25
+    """Share of those pixels, the noisiest, that are computed again."""
+    refined_paths: int = 256
+    """Paths of a pixel that is computed again."""
+    indirect_directions: int = 256
     """Directions gathered per interpolation point of the indirect light on Lambertian surfaces."""
-    indirect_stride_px: int = 8
+    indirect_stride_px: int = 16
     """Distance of these interpolation points."""
     max_depth: int = 3
     """Surface vertices of a path: 1 = direct light only, 3 = two bounces more."""
@@ -54,7 +59,9 @@ class Sampling:
 
     def reference(self, paths: int) -> "Sampling":
         """Plain path tracing with independent pixels and sharp dots, to check the defaults against."""
-        return replace(self, glossy_paths=paths, filtered=False, whole_paths_everywhere=True, rotated=True)
+        return replace(
+            self, glossy_paths=paths, refined_share=0.0, filtered=False, whole_paths_everywhere=True, rotated=True
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +92,14 @@ def render_layers(
         surface = surface_map(world, intrinsics, T_world_imager)
         layers[1] += _lamp_light(world, surface, sampling, seed)
         layers += _indirect_light(world, light, surface, sampling, seed)
-    pixels = np.flatnonzero(glossy)
-    layers.reshape(2, -1)[:, pixels] = _whole_paths(world, light, imager, intrinsics.width, pixels, sampling, seed)
+    pixels, flat = np.flatnonzero(glossy), layers.reshape(2, -1)
+    flat[:, pixels], variance = _whole_paths(
+        world, light, imager, intrinsics.width, pixels, sampling, sampling.glossy_paths, seed
+    )
+    noisiest = np.sort(pixels[np.argsort(-variance, kind="stable")[: round(sampling.refined_share * len(pixels))]])
+    flat[:, noisiest], _ = _whole_paths(
+        world, light, imager, intrinsics.width, noisiest, sampling, sampling.refined_paths, seed
+    )
     return RadianceLayers(layers[0], layers[1])
 
 
@@ -131,17 +144,17 @@ def _whole_paths(
     light: ProjectorLight,
     imager: Imager,
     width: int,
-    pixels: Int[np.ndarray, "n"],
+    pixels: Int[np.ndarray, "p"],
     sampling: Sampling,
+    n: int,
     seed: int,
-) -> Float32[np.ndarray, "2 n"]:
-    """Both layers at the given pixels (flat indices), by full paths."""
+) -> tuple[Float32[np.ndarray, "2 p"], Float32[np.ndarray, "p"]]:
+    """Both layers at the given pixels (flat indices) by n full paths each, and the variance of each pixel's paths."""
     mi = backend.mitsuba()
     import drjit as dr
 
-    n = sampling.glossy_paths
     samples = SampleSet.sobol(n, sampling.max_depth, sampling.rotated, seed)
-    layers = np.zeros((2, len(pixels)), np.float32)
+    moments = np.zeros((3, len(pixels)), np.float32)
     step = max(PATHS_PER_LAUNCH // n, 1)
     for start in range(0, len(pixels), step):
         chosen = mi.UInt32(pixels[start : start + step].astype(np.uint32))
@@ -161,8 +174,9 @@ def _whole_paths(
             filtered=sampling.filtered,
             projector_shadows=sampling.projector_shadows,
         )
-        layers[:, start : start + step] = _pixel_means(paths, n)
-    return layers
+        moments[:, start : start + step] = _pixel_means([*paths, dr.square(paths[0] + paths[1])], n)
+    layers = moments[:2]
+    return layers, moments[2] - np.square(layers.sum(axis=0))
 
 
 def _lamp_light(world: LoadedScene, surface: SurfaceMap, sampling: Sampling, seed: int) -> Float32[np.ndarray, "h w"]:

@@ -5,8 +5,8 @@ import pytest
 
 from materials.material import Matte, RoughConductor
 from render.dot_pattern import d435_pattern
-from render.light_paths import ProjectorLight
 from render.mitsuba_scene import load_scene
+from render.projector_light import ProjectorLight
 from render.radiance import Sampling, render_layers
 from render.rig import d435i_rig
 from scenes.scene import Body, Scene
