@@ -1,8 +1,8 @@
 """A simulated RealSense D435i: radiance, imagers, stereo matcher, z16, decimation, crop. Implements `DepthCamera`."""
 
+import copy
 import hashlib
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -18,10 +18,10 @@ from render.dot_pattern import HALF_FIELD, d435_pattern
 from render.exposure import auto_exposure
 from render.imager import expose_burst
 from render.imager_settings import REFERENCE_LASER_POWER_MW, ImagerSettings
-from render.light_paths import ProjectorLight
 from render.matcher import StereoMatcher, Window
 from render.matchers import matcher_by_name
 from render.mitsuba_scene import load_scene
+from render.projector_light import ProjectorLight
 from render.radiance import RadianceLayers, Sampling, render_layers
 from render.rig import Rig, d435i_rig
 from render.truth import Truth, measure_truth
@@ -42,8 +42,8 @@ class SensorSettings(BaseModel):
     """Factor of librealsense's decimation filter, 1 = off (paper: maximum)."""
     crop: tuple[int, int] | None = (60, 40)
     """Width and height of the middle part that is kept after decimation; None = all (paper: 60 x 40)."""
-    matcher: Literal["d4", "sgbm"] = "sgbm"
-    """Stereo matcher."""
+    matcher: Literal["d4", "sgbm"] = "d4"
+    """Stereo matcher: like the D4 chip, or OpenCV's StereoSGBM."""
     imager: ImagerSettings = ImagerSettings()
     """Exposure, noise and optics of both imagers."""
     auto_exposure: bool = True
@@ -98,7 +98,7 @@ class SimulatedD435i:
         self._matcher = matcher or matcher_by_name(self.settings.matcher)
         self._light = ProjectorLight.at(RigidTransform.identity(), d435_pattern(), 0.0)
 
-    @cached_property
+    @property
     def intrinsics(self) -> Intrinsics:
         """Of the decimated and cropped depth, along the middle of each block."""
         full = self.rig.intrinsics
@@ -144,7 +144,7 @@ class SimulatedD435i:
         )
         disparities = self._matcher.match_burst(lefts, rights, self.window)
         z16 = z16_from_disparity(disparities, self.rig.focal_baseline, self.settings.depth)
-        burst = DepthBurst(metres_from_z16(self._reduced(z16), self.settings.depth), self.intrinsics, T_world_cam)
+        burst = DepthBurst(metres_from_z16(self.reduced(z16), self.settings.depth), self.intrinsics, T_world_cam)
         depths = metres_from_z16(z16, self.settings.depth)
         return Measurement(T_world_cam, left, right, imager, lefts, rights, z16, depths, burst)
 
@@ -162,7 +162,22 @@ class SimulatedD435i:
         left, top = (k.width // f - width) // 2, (k.height // f - height) // 2
         return Window(left * f, top * f, width * f, height * f)
 
-    def _reduced(self, z16: UInt16[np.ndarray, "n h w"]) -> UInt16[np.ndarray, "n h_d w_d"]:
+    def changed(
+        self, scene: Scene | None = None, imager: ImagerSettings | None = None, **sampling: bool | int
+    ) -> "SimulatedD435i":
+        """The same camera with one thing changed, its seed and so its noise kept.
+
+        scene: another one before it. imager: exposure and gain held at these. sampling: fields of `Sampling`.
+        """
+        other = copy.copy(self)
+        if scene is not None:
+            other.world = load_scene(scene)
+        if imager is not None:
+            other.settings = self.settings.model_copy(update={"imager": imager, "auto_exposure": False})
+        other._sampling = replace(self._sampling, **sampling)
+        return other
+
+    def reduced(self, z16: UInt16[np.ndarray, "n h w"]) -> UInt16[np.ndarray, "n h_d w_d"]:
         """Decimated and cropped."""
         if self.settings.decimation > 1:
             z16 = decimate(z16, self.settings.decimation)

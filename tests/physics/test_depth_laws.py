@@ -14,8 +14,8 @@ WHOLE = SensorSettings(crop=None, depth=DepthFormat(unit=1e-4))
 """All of the image, as the datasheet's figures are for 80 % of it, in steps of 0.1 mm, finer than the noise."""
 
 
-SUBPIXEL_LIMIT = 0.3
-"""Most sub-pixel noise [px]: the camera's own is 0.05-0.1, OpenCV's parabola fit adds its pull to whole pixels."""
+SUBPIXEL_LIMIT = 0.12
+"""Most sub-pixel noise [px]: Intel states 0.05-0.1."""
 
 
 def lit_wall(distance: float):
