@@ -29,7 +29,7 @@ def loaded_with(package: str) -> set[str]:
 @pytest.mark.parametrize(
     ("package", "foreign"),
     [
-        ("franbv", {"render", "scenes", "materials", "studies", "mitsuba", "trimesh", "cv2", "plotly"}),
+        ("franbv", {"render", "scenes", "materials", "studies", "mitsuba", "trimesh", "cv2"}),
         ("materials", {"franbv", "render", "scenes", "studies", "mitsuba"}),
         ("scenes", {"franbv", "render", "studies", "mitsuba"}),
         ("render", {"studies", "sklearn"}),
