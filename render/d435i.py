@@ -117,10 +117,14 @@ class SimulatedD435i:
         """Depth frames as the planner gets them."""
         return self.measure(T_world_cam, n_frames).burst
 
+    def projector_light(self, T_world_cam: RigidTransform) -> ProjectorLight:
+        """The projector of a camera at this pose, at the reference laser power."""
+        mean = REFERENCE_LASER_POWER_MW * 1e-3 / (np.pi * FIELD_AREA)
+        return self._light.moved(self.rig.projector(T_world_cam), mean)
+
     def render(self, T_world_cam: RigidTransform) -> tuple[RadianceLayers, RadianceLayers]:
         """Radiance at the left and the right imager for the reference laser power."""
-        mean = REFERENCE_LASER_POWER_MW * 1e-3 / (np.pi * FIELD_AREA)
-        light = self._light.moved(self.rig.projector(T_world_cam), mean)
+        light = self.projector_light(T_world_cam)
         poses = (T_world_cam, self.rig.right_imager(T_world_cam))
         left, right = (render_layers(self.world, light, self.rig.intrinsics, pose, self._sampling) for pose in poses)
         return left, right
