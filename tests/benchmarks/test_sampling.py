@@ -12,6 +12,7 @@ from franbv.parameters import Parameters
 from render.d435i import SimulatedD435i
 from render.exposure import mean_electrons, mean_grey
 from render.imager_settings import WHITE_LEVEL
+from render.matcher import Window
 from render.radiance import RadianceLayers, Sampling, render_layers
 from scenes.build import part_scene
 from tests.benchmarks.stopwatch import Stopwatch
@@ -32,7 +33,9 @@ def test_default_sampling_against_reference(stopwatch: Stopwatch):
     part = np.isin(truth.body, [i for i, body in enumerate(scene.bodies) if body.is_part])
     near = cv2.dilate(part.astype(np.uint8), np.ones((2 * MARGIN_PX + 1,) * 2)) > 0
     default = camera.render(pose)
-    first, second = (reference(camera, pose, seed) for seed in (0, 1))
+    shift = camera.rig.focal_baseline / truth.depth[part]
+    boxes = box_around(near, (0, 0)), box_around(near, (shift.max(), shift.min()))
+    first, second = (reference(camera, pose, default, boxes, seed) for seed in (0, 1))
 
     def holes(layers):
         return np.mean(camera.expose(pose, *layers, N_FRAMES).z16 == 0, axis=0) >= 0.5
@@ -49,11 +52,20 @@ def test_default_sampling_against_reference(stopwatch: Stopwatch):
         )
 
 
-def reference(camera: SimulatedD435i, pose, seed: int) -> tuple[RadianceLayers, RadianceLayers]:
-    """Both imagers by independent whole paths at every pixel."""
-    light = camera.projector_light(pose)
-    left, right = (
-        render_layers(camera.world, light, camera.rig.intrinsics, T, Sampling().reference(REFERENCE_PATHS), seed)
-        for T in (pose, camera.rig.right_imager(pose))
-    )
-    return left, right
+def box_around(mask: np.ndarray, shifts: tuple[float, float]) -> Window:
+    """Bounding box of a mask of the left image, moved left by up to and at least these disparities [px]."""
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    left, right = max(int(columns[0] - shifts[0]), 0), min(int(columns[-1] - shifts[1]) + 1, mask.shape[1])
+    return Window(left, int(rows[0]), right - left, int(rows[-1] - rows[0]) + 1)
+
+
+def reference(camera: SimulatedD435i, pose, default, boxes: tuple[Window, Window], seed: int) -> list[RadianceLayers]:
+    """Both imagers' layers with independent whole paths at every pixel of the boxes."""
+    light, sampling, layers = camera.projector_light(pose), Sampling().reference(REFERENCE_PATHS), []
+    for T, box, around in zip((pose, camera.rig.right_imager(pose)), boxes, default, strict=True):
+        window = camera.rig.intrinsics.cropped(box.left, box.top, box.width, box.height)
+        inside = render_layers(camera.world, light, window, T, sampling, seed)
+        pasted = RadianceLayers(around.projector.copy(), around.ambient.copy())
+        pasted.projector[box.slices], pasted.ambient[box.slices] = inside.projector, inside.ambient
+        layers.append(pasted)
+    return layers
