@@ -1,0 +1,52 @@
+"""Measure a pose again with one thing changed: no projector shadows, one surface only, dots as strong as near by.
+
+Exposure, gain, noise and speckle stay those of the measurement, so that nothing but the light differs.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float32
+
+from render.burst_outcome import persistently_invalid
+from render.d435i import Measurement, SimulatedD435i
+from render.imager_settings import REFERENCE_LASER_POWER_MW
+from render.radiance import RadianceLayers
+from render.surface import SurfaceMap
+from render.truth import Truth
+
+FULL_STRENGTH_AT = 0.3
+"""Dots are as strong as they are meant to be at this distance [m] (D435i: nearest of its ideal range, 0.3 to 3 m)."""
+
+
+def invalid_without_shadows(camera: SimulatedD435i, measurement: Measurement) -> Bool[np.ndarray, "h w"]:
+    """Pixels that are invalid still when nothing stands in the projector's light."""
+    lit = camera.changed(imager=measurement.imager, projector_shadows=False)
+    return persistently_invalid(lit.measure(measurement.T_world_cam, len(measurement.z16)).z16)
+
+
+def invalid_at_first_surface(camera: SimulatedD435i, measurement: Measurement) -> Bool[np.ndarray, "h w"]:
+    """Pixels that are invalid still when light paths stop at the first surface: no mirror images, no mutual light."""
+    direct = camera.changed(imager=measurement.imager, max_depth=1)
+    return persistently_invalid(direct.measure(measurement.T_world_cam, len(measurement.z16)).z16)
+
+
+def invalid_with_strong_dots(
+    camera: SimulatedD435i, measurement: Measurement, truth: Truth, right: SurfaceMap
+) -> Bool[np.ndarray, "h w"]:
+    """Pixels that are invalid still when distance takes nothing from the dots and the laser has its default power.
+
+    The law of inverse squares is undone in the rendered layers. right: what the right imager's pixels see.
+    """
+    pose = measurement.T_world_cam
+    power = max(measurement.imager.laser_power_mw, REFERENCE_LASER_POWER_MW)
+    strong = camera.changed(imager=measurement.imager.model_copy(update={"laser_power_mw": power}))
+    to_right = strong.rig.right_imager(pose).inv()
+    right_depth = to_right.apply(right.position.reshape(-1, 3).astype(float))[:, 2].reshape(truth.depth.shape)
+    left_layers = _strengthened(measurement.left_layers, truth.depth)
+    right_layers = _strengthened(measurement.right_layers, right_depth.astype(np.float32))
+    return persistently_invalid(strong.expose(pose, left_layers, right_layers, len(measurement.z16)).z16)
+
+
+def _strengthened(layers: RadianceLayers, depth: Float32[np.ndarray, "h w"]) -> RadianceLayers:
+    """The layers with dots as on a surface at FULL_STRENGTH_AT; nearer ones stay. depth: [m]."""
+    gain = np.maximum(depth / np.float32(FULL_STRENGTH_AT), np.float32(1)) ** 2
+    return RadianceLayers(layers.projector * gain, layers.ambient)

@@ -1,0 +1,63 @@
+"""The matte twin: the same pose, meshes and lights with every surface diffuse, measured by the same camera.
+
+The twin keeps the camera's *behaviour*, not the real frame's exposure: where the camera chooses its exposure it does so
+for the twin too. An exposure long enough for dark metal would drown the twin, and its holes would acquit the metal; and
+only so does the twin depend on nothing but geometry, lights and camera, so that one serves every material. All other
+interventions hold the exposure of the frame that they are compared with.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool
+from scipy.spatial.transform import RigidTransform
+
+from materials.catalog import matte_twin
+from render.burst_outcome import Outcome, burst_outcome
+from render.causes import Cause
+from render.d435i import SimulatedD435i
+from render.geometric_causes import geometry
+from render.interventions import invalid_without_shadows
+from render.truth import Truth
+from scenes.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class MatteTwin:
+    """What the camera sees of the twin from one pose; any material of the same geometry may share it."""
+
+    outcome: Outcome
+    lost_to_shadow: Bool[np.ndarray, "h w"]
+    """Invalid, and valid once the projector's shadows are lifted."""
+    n_frames: int
+    """Length of the burst: the noise of a shorter one would differ at the margin."""
+
+
+def twin_scene(scene: Scene) -> Scene:
+    """The scene with every material replaced by its matte twin; matte ones stay as they are."""
+    return scene.with_materials(lambda body: matte_twin(body.material))
+
+
+def measure_twin(
+    camera: SimulatedD435i, T_world_cam: RigidTransform, n_frames: int, truth: Truth | None = None
+) -> MatteTwin:
+    """Measure the twin of the camera's scene. truth: from the same pose, if it is known already.
+
+    The rendering without shadows is spared where the twin loses nothing near one.
+    """
+    truth = truth or camera.truth(T_world_cam)
+    twin = camera.changed(scene=twin_scene(camera.world.source))
+    measurement = twin.measure(T_world_cam, n_frames)
+    outcome = burst_outcome(twin, measurement, truth)
+    places = geometry(camera, truth)
+    lost = outcome.invalid & in_window(camera) & places.near_shadow & (places.impossible == Cause.MEASURED)
+    if lost.any():
+        lost &= ~invalid_without_shadows(twin, measurement)
+    return MatteTwin(outcome, lost, n_frames)
+
+
+def in_window(camera: SimulatedD435i) -> Bool[np.ndarray, "h w"]:
+    """Full-resolution pixels that the camera's matcher is asked for."""
+    inside = np.zeros((camera.rig.intrinsics.height, camera.rig.intrinsics.width), bool)
+    inside[camera.window.slices if camera.window else ...] = True
+    return inside
