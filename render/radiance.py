@@ -40,7 +40,7 @@ class Sampling:
     """Paths of a pixel that sees a glossy surface, at first."""
     refined_share: float = 0.25
     """Share of those pixels, the noisiest, that are computed again."""
-    refined_paths: int = 256
+    refined_paths: int = 128
     """Paths of a pixel that is computed again."""
     indirect_directions: int = 256
     """Directions gathered per interpolation point of the indirect light on Lambertian surfaces."""
