@@ -1,4 +1,4 @@
-"""What a next-best-view method is made of: PB-NBV and FRA-NBV as bundles of interchangeable functions.
+"""What a next-best-view method is made of: PB-NBV, FRA-NBV and RE as bundles of interchangeable functions.
 
 A planner says how a burst enters the map, what stands in for the object, how views of it are scored and, if it recovers
 reflective regions, how they are found, viewed and judged. The loop in `reconstruction` is the same for all of them.
@@ -27,6 +27,7 @@ from franbv.reflective_regions import (
 )
 from franbv.sensing import DepthBurst
 from franbv.utility import recovery_utility, view_utilities
+from franbv.volumetric_information import Gain, compile_rays, view_information
 from franbv.voxel_map import VoxelMap, burst_depth
 
 
@@ -100,7 +101,30 @@ def fra(
     return Planner("fra", integrate_median, approximate_by_ellipsoids, score_by_projection, recovery)
 
 
-PLANNERS: dict[str, Callable[[], Planner]] = {"pb": pb, "fra": fra}
+def re(gain: Gain = "occlusion_aware", within_object: bool = False) -> Planner:
+    """Ray-cast entropy: the view whose rays promise most information on the map (paper, section VI).
+
+    gain: what a voxel is worth to a ray.
+    within_object: count rays only within the object's box, which the other planners know too, grown by a voxel. In the
+    whole map a ray's worth is decided near the camera: by H(P) / P, which is largest in space that is known to be free.
+    """
+
+    def score(
+        model: Model, intrinsics: Intrinsics, poses: Sequence[RigidTransform], parameters: Parameters
+    ) -> Float[np.ndarray, "n"]:
+        region = model.object.box.grown(parameters.voxel_size) if within_object else None
+        return view_information(model.voxel_map, intrinsics, poses, gain, region)
+
+    compile_rays()  # now, and not while the first decision is being timed
+    return Planner("re", integrate_median, without_ellipsoids, score)
+
+
+def random_views() -> Planner:
+    """Any reachable candidate: what every other planner must beat."""
+    return Planner("random", integrate_median, without_ellipsoids, all_alike)
+
+
+PLANNERS: dict[str, Callable[[], Planner]] = {"pb": pb, "fra": fra, "re": re, "random": random_views}
 """Planners by the name that the studies know them by."""
 
 
@@ -115,6 +139,18 @@ def approximate_by_ellipsoids(
 ) -> Ellipsoids:
     """E_o and E_f of the object's occupied and frontier voxels."""
     return fit_ellipsoids(estimate.occupied, estimate.frontier, parameters, seed)
+
+
+def without_ellipsoids(estimate: ObjectModel, parameters: Parameters, seed: np.random.SeedSequence) -> Ellipsoids:
+    """None: for planners that look at the map itself."""
+    return Ellipsoids(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros(0, bool))
+
+
+def all_alike(
+    model: Model, intrinsics: Intrinsics, poses: Sequence[RigidTransform], parameters: Parameters
+) -> Float[np.ndarray, "n"]:
+    """The same utility for every pose; the loop then draws one."""
+    return np.zeros(len(poses))
 
 
 def score_by_projection(
