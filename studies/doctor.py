@@ -7,16 +7,19 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import tyro
 from packaging.requirements import Requirement
 
 from materials.input_error import InputError
 from render import backend
+from render.d4_matcher import D4Matcher
 from studies.command_line import parse
 from studies.console import say, say_json
 
@@ -28,6 +31,9 @@ RAYS_NEEDED = 2e5
 """Camera rays per second [1/s]: choice, a tenth of two cores of a common laptop; below it one frame takes minutes."""
 RENDER_TIMEOUT = 300.0
 """[s]: choice, far above the 10 s that the slowest machines took."""
+
+SHIFT = 20
+"""Disparity of the matcher's test pair [px]: choice, in the middle of the usual ones."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +74,7 @@ def run(args: list[str]) -> int:
 
 def diagnose() -> list[Check]:
     """All checks. One that breaks is one that failed, never a traceback; without a renderer its speed is not asked."""
-    checks = [_guarded(check) for check in (python, packages, memory, disk, renderer)]
+    checks = [_guarded(check) for check in (python, packages, memory, disk, matcher, renderer)]
     return checks if checks[-1].mend is not None else [*checks, _guarded(rays)]
 
 
@@ -88,6 +94,22 @@ def packages() -> Check:
     if wrong:
         return Check("packages", "; ".join(wrong), "pip install --upgrade franbv, or `make setup` in its repository")
     return Check("packages", f"{len(needed)} as required; {', '.join(pins)}")
+
+
+def matcher() -> Check:
+    """The D4-like matcher on noise that is shifted by a known disparity; its first frame may have to compile it."""
+    left = np.random.default_rng(0).integers(0, 256, (360, 640), np.uint8)
+    right = np.roll(left, -SHIFT, axis=1)
+    durations, disparity = [], np.zeros(0)
+    for _ in range(3):
+        start = time.perf_counter()
+        disparity = D4Matcher().match(left, right)
+        durations.append(time.perf_counter() - start)
+    found = f"first frame after {durations[0]:.1f} s, then {min(durations[1:]) * 1e3:.0f} ms each (640 x 360)"
+    right_one = np.median(disparity[disparity > 0]) == SHIFT
+    return Check(
+        "matcher", found, None if right_one else f"it misses a shift of {SHIFT} px: reinstall numba and llvmlite"
+    )
 
 
 def renderer() -> Check:

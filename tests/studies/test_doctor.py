@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from packaging.requirements import Requirement
 
@@ -17,10 +18,11 @@ from studies import doctor
 def test_this_machine_is_looked_at_in_full():
     """The tests run in an environment that fits: its packages and its renderer are as required, and it has a speed."""
     checks = {check.name: check for check in doctor.diagnose()}
-    assert list(checks) == ["python", "packages", "memory", "disk", "renderer", "rays"]
+    assert list(checks) == ["python", "packages", "memory", "disk", "matcher", "renderer", "rays"]
     assert checks["python"].mend is None
     assert checks["packages"].mend is None
     assert "mitsuba 3.9.1" in checks["packages"].found
+    assert checks["matcher"].mend is None
     assert checks["renderer"].mend is None
     assert float(checks["rays"].found.split()[0]) > 0
 
@@ -69,6 +71,17 @@ def test_too_little_memory_and_disk_are_said(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(doctor, "_available_memory", lambda: 2**20)
     assert "free some" in (doctor.disk().mend or "")
     assert "close other programs" in (doctor.memory().mend or "")
+
+
+def test_a_matcher_that_is_off_is_said(monkeypatch: pytest.MonkeyPatch):
+    """Compiled wrongly it would still give disparities: half a pixel off everywhere is not the shift of the pair."""
+
+    class Off:
+        def match(self, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+            return np.full(left.shape, doctor.SHIFT + 0.5, np.float32)
+
+    monkeypatch.setattr(doctor, "D4Matcher", Off)
+    assert "reinstall numba" in (doctor.matcher().mend or "")
 
 
 def test_an_aborted_render_is_a_failed_check(monkeypatch: pytest.MonkeyPatch):
