@@ -32,8 +32,8 @@ def strict_json(values: Any, indent: int | None = None) -> str:
     return json.dumps(_finite(values), indent=indent, allow_nan=False)
 
 
-def progress_bar() -> Progress:
-    """A progress display on stderr that stays silent where nobody watches (no terminal)."""
+def progress_bar(shown: bool = True) -> Progress:
+    """A progress display on stderr that stays silent where nobody watches (no terminal), and where it is not wanted."""
     console = Console(stderr=True)
     return Progress(
         TextColumn("[progress.description]{task.description}"),
@@ -41,7 +41,7 @@ def progress_bar() -> Progress:
         MofNCompleteColumn(),
         TimeElapsedColumn(),
         console=console,
-        disable=not console.is_terminal,
+        disable=not (shown and console.is_terminal),
         transient=True,
     )
 

@@ -18,7 +18,7 @@ from studies.captures import KeptCaptures, Take
 from studies.command_line import parse_case_command
 from studies.console import say, say_json, warn
 from studies.reference import reference_surface
-from studies.run_case import COMMAND, RunSettings, write_run
+from studies.run_case import COMMAND, RunSettings, ablated, write_run
 from studies.run_words import run_paragraph
 from studies.single_case import made_once
 from studies.stored_run import CLOUD, FILTERED_CLOUD, REPORT, RUN, TABLE, TIMINGS, StoredRun
@@ -41,7 +41,7 @@ def run(args: list[str]) -> int:
     check_workspace(subject.scene, command.settings.parameters)
     for notice in subject.notices:
         warn(f"franbv {COMMAND}: {notice}")
-    config = resolved(command.settings)
+    config = ablated(resolved(command.settings))
     case, found = made_once(COMMAND, config, command.out, FILES, lambda folder: simulate(folder, config, subject))
     stored = StoredRun(case)
     say(f"{stored.run['title']}: {run_paragraph(stored.run, stored.timings)}")
@@ -52,12 +52,13 @@ def run(args: list[str]) -> int:
     return 0
 
 
-def simulate(folder: Path, config: ReconstructSettings, subject: Subject) -> None:
-    """Run the loop with the simulated camera and arm."""
+def simulate(folder: Path, config: ReconstructSettings, subject: Subject, watched: bool = True) -> None:
+    """Run the loop with the simulated camera and arm; `watched` as in `write_run`."""
     camera = SimulatedD435i(subject.scene, config.sensor, config.seed)
     captures = KeptCaptures(take_with(camera), camera.intrinsics, camera.min_z, folder)
     reference = reference_surface(subject.scene, lambda points, normals: seen_from_above(camera.world, points, normals))
-    write_run(folder, config, subject.title, captures, SimulatedArm.around(subject.scene.part_mesh()), reference)
+    arm = SimulatedArm.around(subject.scene.part_mesh())
+    write_run(folder, config, subject.title, captures, arm, reference, watched)
 
 
 def take_with(camera: SimulatedD435i) -> Take:

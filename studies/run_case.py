@@ -1,16 +1,16 @@
 """Runs the loop with any camera and arm, and writes everything that a reconstruction leaves."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from franbv.acquisition import Acquisition, Reconstruction
 from franbv.evaluation import Reference
 from franbv.parameters import Parameters
-from franbv.planners import PLANNERS
 from franbv.reconstruction import reconstruct
 from franbv.sensing import Arm
+from studies.ablation import Ablation, build_planner
 from studies.acquisition_table import write_table
 from studies.captures import KeptCaptures
 from studies.cases import case_digest, write_atomically
@@ -30,22 +30,51 @@ COMMAND = "reconstruct"
 class RunSettings(Config):
     """What decides a run, apart from what stands before the camera."""
 
-    planner: Literal["fra", "pb"] = "fra"
-    """fra: FRA-NBV as in the paper. pb: PB-NBV, the same without recovery of reflective regions."""
+    planner: Literal["fra", "pb", "re", "random"] = "fra"
+    """fra: FRA-NBV as in the paper. pb: PB-NBV, the same without recovery of reflective regions. re: ray-cast entropy.
+    random: any reachable candidate."""
     azimuth_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
     """Where the first view stands [deg]; run i of n starts at 360 i / n."""
     seed: Annotated[int, Field(ge=0)] = 0
     """Root seed of all randomness, the sensor's noise and the planner's choices."""
     parameters: Parameters = Parameters()
     """Of the method, as in the paper's table where that has them."""
+    ablation: Ablation = Ablation()
+    """What of it is changed."""
+
+    @model_validator(mode="after")
+    def _fitting(self) -> "RunSettings":
+        misfit = self.ablation.misfit(self.planner)
+        if misfit:
+            raise ValueError(misfit)
+        return self
+
+
+AnyRun = TypeVar("AnyRun", bound=RunSettings)
+
+
+def ablated(settings: AnyRun) -> AnyRun:
+    """The settings with the ablation in the parameters where it belongs there: equal runs have equal settings."""
+    parameters = settings.ablation.changed(settings.parameters)
+    return settings.model_copy(update={"parameters": parameters, "ablation": settings.ablation.of_functions()})
 
 
 def write_run(
-    folder: Path, config: RunSettings, title: str, captures: KeptCaptures, arm: Arm, reference: Reference
+    folder: Path,
+    config: RunSettings,
+    title: str,
+    captures: KeptCaptures,
+    arm: Arm,
+    reference: Reference,
+    watched: bool = True,
 ) -> None:
-    """Run the loop and write its result, its timings and its report into the case's folder."""
+    """Run the loop and write its result, its timings and its report into the case's folder.
+
+    config: as `ablated` gives it.
+    watched: whether to show a progress display of this run.
+    """
     recorder = RunRecorder(reference, config.parameters)
-    result = _observed_run(folder, config, captures, arm, recorder)
+    result = _observed_run(folder, config, captures, arm, recorder, watched)
     write_result(folder, config, title, result, reference, recorder)
     times = [
         {"sensing": sensing, **acquisition.planning_s}
@@ -84,10 +113,10 @@ def write_result(
 
 
 def _observed_run(
-    folder: Path, config: RunSettings, captures: KeptCaptures, arm: Arm, recorder: RunRecorder
+    folder: Path, config: RunSettings, captures: KeptCaptures, arm: Arm, recorder: RunRecorder, watched: bool
 ) -> Reconstruction:
     """Run the loop under a progress display."""
-    with progress_bar() as progress:
+    with progress_bar(watched) as progress:
         task = progress.add_task("first view", total=config.parameters.max_iterations)
 
         def observe(acquisition: Acquisition) -> None:
@@ -99,5 +128,5 @@ def _observed_run(
                 description=f"acquisition {acquisition.index + 1}, coverage {coverage:.0f} %, NBV iteration",
             )
 
-        planner = PLANNERS[config.planner]()
+        planner = build_planner(config.planner, config.ablation)
         return reconstruct(captures, arm, planner, config.parameters, config.seed, config.azimuth_deg, observe)

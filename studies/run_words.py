@@ -10,7 +10,13 @@ STOP_WORDS = {
 }
 """Why a run ended, by the name of the rule."""
 
-PLANNER_WORDS = {"fra": "FRA-NBV", "fra-robust": "FRA-NBV, robust detector", "pb": "PB-NBV", "re": "ray-cast entropy"}
+PLANNER_WORDS = {
+    "fra": "FRA-NBV",
+    "fra-robust": "FRA-NBV, robust detector",
+    "pb": "PB-NBV",
+    "re": "ray-cast entropy",
+    "random": "random views",
+}
 """Planners by their name on the command line."""
 
 
