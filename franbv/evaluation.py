@@ -7,6 +7,7 @@ points in voxels that are occupied at that time.
 - accuracy: mean and median distance from the points of C to the surface (all of it, hidden parts too).
 - precision at t: share of C within t of the surface; F-score: harmonic mean of coverage and precision, both at 5 mm.
 - wrongly free: share of the voxels that hold a point of R which the final map calls free.
+- wrongly occupied: share of the object's voxels which the surface cannot pass through (false depth that has stayed).
 - increments: Delta C_k = C_k - C_(k-1), C_k the coverage at 5 mm after acquisition k, C_-1 = 0.
 - recovery contribution: sum of the increments of recovery acquisitions, in coverage and as a share of the final one.
 Nothing is reconstructed by an empty cloud: its coverage, precision and F-score are 0, its accuracy NaN.
@@ -126,6 +127,16 @@ def wrongly_free_share(reference: Reference, voxel_map: VoxelMap) -> float:
     index, inside = voxel_map.indices(reference.points)
     surface = np.unique(index[inside], axis=0)
     return float(np.mean(voxel_map.free[tuple(surface.T)])) if len(surface) else 0.0
+
+
+def wrongly_occupied_share(reference: Reference, occupied: Float[np.ndarray, "n 3"], voxel_size: float) -> float | None:
+    """Share of occupied voxels, given by their centres [m], that lie farther from the surface than half their diagonal.
+
+    None without any. A voxel that the surface passes through is nearer; so are some that it misses.
+    """
+    if len(occupied) == 0:
+        return None
+    return float(np.mean(reference.distance(occupied) > np.sqrt(3.0) / 2.0 * voxel_size))
 
 
 def _nearest(reference: Reference, cloud: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "m"]:

@@ -7,7 +7,16 @@ from jaxtyping import Float, Int
 from scipy.spatial import KDTree
 
 from franbv.acquisition import Acquisition, Reconstruction
-from franbv.evaluation import TOLERANCE, TOLERANCES, Quality, Reference, history, quality, wrongly_free_share
+from franbv.evaluation import (
+    TOLERANCE,
+    TOLERANCES,
+    Quality,
+    Reference,
+    history,
+    quality,
+    wrongly_free_share,
+    wrongly_occupied_share,
+)
 from franbv.parameters import Parameters
 from franbv.reflective_regions import View, inside_eroded_silhouette, persistent_invalid
 from franbv.voxel_map import burst_depth
@@ -113,10 +122,13 @@ def cloud_owner(run: Reconstruction) -> Int[np.ndarray, "n"]:
 def run_summary(run: Reconstruction, reference: Reference) -> dict[str, Any]:
     """The figures of a run; shares as fractions, lengths in millimetres."""
     past = history(reference, run.acquisitions)
+    final = run.acquisitions[-1].model
+    occupied = final.object.occupied
     return {
         **_quality_figures(quality(reference, run.cloud), ""),
         **_quality_figures(quality(reference, run.cloud[run.is_mapped]), "filtered_"),
-        "wrongly_free_share": wrongly_free_share(reference, run.acquisitions[-1].model.voxel_map),
+        "wrongly_free_share": wrongly_free_share(reference, final.voxel_map),
+        "wrongly_occupied_share": wrongly_occupied_share(reference, occupied, final.voxel_map.voxel_size),
         "acquisitions": len(run.acquisitions),
         "nbv_iterations": run.acquisitions[-1].nbv_iteration,
         "recovery_activations": past.n_activations,

@@ -6,7 +6,14 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.acquisition import Acquisition
 from franbv.ellipsoids import Ellipsoids
-from franbv.evaluation import Reference, distance_to_samples, history, quality, wrongly_free_share
+from franbv.evaluation import (
+    Reference,
+    distance_to_samples,
+    history,
+    quality,
+    wrongly_free_share,
+    wrongly_occupied_share,
+)
 from franbv.frames import Intrinsics
 from franbv.object_model import object_model
 from franbv.parameters import Parameters
@@ -111,3 +118,10 @@ def test_distance_to_samples_is_close_and_never_too_small():
     assert np.all(found >= true)
     # |p - s|^2 = d^2 + h^2 (1 + d / R) for a sphere of radius R.
     assert np.all(found <= np.sqrt(true**2 + h**2 * (1 + true / 0.05)) + 1e-12)
+
+
+def test_wrongly_occupied_voxels_are_counted():
+    """Voxels of 2 cm: half a diagonal is 17.3 mm. At 0, 17, 18, 40 mm: two of four cannot touch."""
+    centres = np.array([0.0, 0.0, 0.02]) + np.outer([0.0, 0.017, -0.018, 0.04], [0.0, 0.0, 1.0])
+    assert wrongly_occupied_share(REFERENCE, centres, 0.02) == 0.5
+    assert wrongly_occupied_share(REFERENCE, np.zeros((0, 3)), 0.02) is None
