@@ -129,7 +129,7 @@ def trace_paths(
         body = world.body(si)
         arriving = light_met(world, si, ray, body, pdf, i, diffused)
         from_lamps += dr.select(active, beta * arriving, 0)
-        glossy = world.is_glossy(body)
+        glossy, albedo = world.is_glossy(body), dr.gather(mi.Float, world.albedo_of_body, body, active)
         scattering = hit & (i < max_depth) & (body < FIRST_LAMP)
         connected = scattering & ~(diffused & glossy)
 
@@ -142,7 +142,7 @@ def trace_paths(
         links = [lamp.connection(si.p, u[2], u[3]) for lamp in world.lamps]
         directions = [si.to_local(towards), *(si.to_local(direction) for _, direction, _ in links)]
         values, onwards, bsdf_pdf, weight = _scatter(
-            si, directions, u[4], mi.Point2f(u[0], u[1]), connected, scattering
+            si, directions, u[4], mi.Point2f(u[0], u[1]), connected, scattering, albedo
         )
 
         footprint = _footprint(si, ray, towards, distance2, spread) if filtered else mi.Float(0)
@@ -226,24 +226,34 @@ def _chosen_lamp(
 
 
 def _scatter(
-    si: Any, directions: list[Any], u: Any, v: Any, connected: Any, scattering: Any
+    si: Any, directions: list[Any], u: Any, v: Any, connected: Any, scattering: Any, albedo: Any
 ) -> tuple[list[tuple[Any, Any]], Any, Any, Any]:
-    """All that a vertex asks of its BSDF, in one dynamic call.
+    """All that a vertex asks of its surface: one dynamic call for the glossy ones, a formula for the Lambertian ones.
 
-    Returns (value times cosine, density) for each local direction of light, and a sampled direction with its density
-    and its weight.
+    albedo: of the Lambertian surfaces, 0 = glossy. Returns (value times cosine, density) for each local direction of
+    light, and a sampled local direction with its density and its weight.
     """
     mi = backend.mitsuba()
     import drjit as dr
 
-    context = mi.BSDFContext()
+    context, side = mi.BSDFContext(), dr.sign(si.wi.z)
 
     def ask(bsdf, si, directions, u, v, connected, scattering):
         pairs = [bsdf.eval_pdf(context, si, wo, connected) for wo in directions]
         sampled, weight = bsdf.sample(context, si, u, v, scattering)
         return [(value.x, pdf) for value, pdf in pairs], sampled.wo, sampled.pdf, weight.x
 
-    return dr.dispatch(si.bsdf(), ask, si, directions, u, v, connected, scattering)
+    matte = albedo > 0
+    surface = dr.select(matte, dr.zeros(mi.BSDFPtr), si.bsdf())
+    glossy = dr.dispatch(surface, ask, si, directions, u, v, connected & ~matte, scattering & ~matte)
+    lobes = [dr.inv_pi * dr.maximum(direction.z * side, 0) for direction in directions]
+    upwards = mi.warp.square_to_cosine_hemisphere(v)
+    values = [
+        (dr.select(matte, albedo * lobe, value), dr.select(matte, lobe, pdf))
+        for lobe, (value, pdf) in zip(lobes, glossy[0], strict=True)
+    ]
+    onwards = dr.select(matte, mi.Vector3f(upwards.x, upwards.y, upwards.z * side), glossy[1])
+    return values, onwards, dr.select(matte, dr.inv_pi * upwards.z, glossy[2]), dr.select(matte, albedo, glossy[3])
 
 
 def _footprint(si: Any, ray: Any, towards: Any, distance2: Any, spread: Any) -> Any:

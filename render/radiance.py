@@ -42,7 +42,7 @@ class Sampling:
     """Share of those pixels, the noisiest, that are computed again."""
     refined_paths: int = 128
     """Paths of a pixel that is computed again."""
-    indirect_directions: int = 256
+    indirect_directions: int = 128
     """Directions gathered per interpolation point of the indirect light on Lambertian surfaces."""
     indirect_stride_px: int = 16
     """Distance of these interpolation points."""

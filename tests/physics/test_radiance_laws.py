@@ -34,7 +34,7 @@ def test_wall_radiance_is_rho_s_over_z2(distance):
 def test_dots_keep_their_power_under_whole_paths():
     """Whole light paths and the quick way for Lambertian pixels estimate the same integral; on a wall without indirect
     light both are nearly exact, so every pixel agrees within the width of a texel (5 % of the brightest dot)."""
-    quick = layers_of(wall(0.5), Sampling(subpixels=16)).projector
+    quick = layers_of(wall(0.5), Sampling(subpixels=64)).projector
     whole = layers_of(wall(0.5), Sampling(glossy_paths=64, whole_paths_everywhere=True)).projector
     np.testing.assert_allclose(quick, whole, atol=0.05 * whole.max())
 
