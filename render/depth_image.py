@@ -48,7 +48,7 @@ def z16_from_disparity(
         units = np.float32(focal_baseline / coding.unit) / disparity
     # In place: fresh memory costs more than the arithmetic.
     np.rint(units, out=units)
-    np.copyto(units, 0, where=(units < coding.clamp_min) | (units > coding.clamp_max))
+    np.copyto(units, 0, where=~((units >= coding.clamp_min) & (units <= coding.clamp_max)))
     return units.astype(np.uint16)
 
 
