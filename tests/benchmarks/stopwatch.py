@@ -1,6 +1,7 @@
 """Median times and peak memory of single steps, as a table; nothing here judges them."""
 
 import gc
+import os
 import resource
 import statistics
 import sys
@@ -17,6 +18,8 @@ class Timing:
     name: str
     seconds: tuple[float, ...]
     """Wall times of the repetitions [s]."""
+    cpu_seconds: tuple[float, ...]
+    """Processor times of all threads and children [s]: hardly longer on a busy machine, where wall times are."""
     peak_bytes: int
     """Largest resident memory of the process during them, all that it held before included."""
     goal: float | None
@@ -24,19 +27,25 @@ class Timing:
 
     @property
     def median(self) -> float:
-        """[s]"""
+        """Wall time [s]."""
         return statistics.median(self.seconds)
 
     def row(self) -> tuple[str, ...]:
         """The table's cells."""
-        spread = f"{min(self.seconds) * 1e3:.4g}-{max(self.seconds) * 1e3:.4g}"
-        goal = "" if self.goal is None else f"{self.goal * 1e3:.4g}"
+        spread = f"{milliseconds(min(self.seconds))}-{milliseconds(max(self.seconds))}"
+        goal = "" if self.goal is None else milliseconds(self.goal)
         ratio = "" if self.goal is None else f"{self.median / self.goal:.2f}"
-        count = str(len(self.seconds))
-        return self.name, f"{self.median * 1e3:.4g}", spread, count, goal, ratio, f"{self.peak_bytes / 2**20:.0f}"
+        cpu = milliseconds(statistics.median(self.cpu_seconds))
+        memory = f"{self.peak_bytes / 2**20:.0f}"
+        return self.name, milliseconds(self.median), spread, cpu, str(len(self.seconds)), goal, ratio, memory
 
 
-HEADER = ("step", "median [ms]", "min-max [ms]", "n", "goal [ms]", "median / goal", "peak memory [MiB]")
+def milliseconds(seconds: float) -> str:
+    """Three digits of a time."""
+    return f"{seconds * 1e3:.0f}" if seconds >= 0.1 else f"{seconds * 1e3:.3g}"
+
+
+HEADER = ("step", "median [ms]", "min-max [ms]", "CPU [ms]", "n", "goal [ms]", "median / goal", "peak memory [MiB]")
 
 
 @dataclass
@@ -57,12 +66,13 @@ class Stopwatch:
             step()
         gc.collect()
         reset_peak_memory()
-        seconds = []
+        seconds, cpu_seconds = [], []
         for _ in range(n):
-            start = time.perf_counter()
+            start, cpu_start = time.perf_counter(), cpu_time()
             step()
             seconds.append(time.perf_counter() - start)
-        timing = Timing(name, tuple(seconds), peak_memory(), goal)
+            cpu_seconds.append(cpu_time() - cpu_start)
+        timing = Timing(name, tuple(seconds), tuple(cpu_seconds), peak_memory(), goal)
         self.timings.append(timing)
         return timing
 
@@ -79,6 +89,11 @@ class Stopwatch:
             for row in rows
         ]
         return (lines if self.timings else []) + self.facts
+
+
+def cpu_time() -> float:
+    """Processor time of this process and of its finished children, all threads together [s]."""
+    return sum(os.times()[:4])
 
 
 def reset_peak_memory() -> bool:
