@@ -1,14 +1,10 @@
 """Puts the report of a reconstruction together: figures, strips, tables and words into one HTML file."""
 
-import re
 from collections.abc import Iterator, Mapping
-from functools import cache
-from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
 from studies.acquisition_table import RECOVERY
@@ -16,6 +12,7 @@ from studies.cases import write_atomically
 from studies.report.coverage_figure import coverage_figure
 from studies.report.scene_payload import scene_payload
 from studies.report.strip import strip
+from studies.report.templates import asset, environment
 from studies.report.timing_figure import SENSING, stage_names, stage_times, timing_figure
 from studies.run_words import number, percent, run_paragraph
 from studies.stored_run import REPORT, StoredRun
@@ -35,7 +32,7 @@ def report_html(stored: StoredRun) -> str:
     stages = stored.timings["acquisitions"]
     strips = [strip(view, stored.infrared(k)) for k, view in enumerate(views)]
     return (
-        _environment()
+        environment()
         .get_template("reconstruction.html.j2")
         .render(
             run=stored.run,
@@ -51,8 +48,8 @@ def report_html(stored: StoredRun) -> str:
             n_frames=stored.run["config"]["parameters"]["n_frames"],
             config=list(flattened(stored.run["config"])),
             scene=Markup(scene_payload(rows, views, *stored.cloud, *stored.surface)),
-            style=Markup(_asset("style.css")),
-            script=Markup(_asset("scene_viewer.js")),
+            style=Markup(asset("style.css")),
+            script=Markup(asset("scene_viewer.js")),
         )
     )
 
@@ -88,27 +85,3 @@ def flattened(config: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str
             yield from flattened(value, f"{prefix}{key}.")
         else:
             yield f"{prefix}{key}", ", ".join(map(str, value)) if isinstance(value, list) else str(value)
-
-
-def unbroken(text: str) -> str:
-    """The text with numbers and their units kept on one line."""
-    return re.sub(r"(?<=\d) (?=%|mm\b|s\b)", "\u00a0", text)
-
-
-@cache
-def _environment() -> Environment:
-    environment = Environment(
-        loader=PackageLoader("studies.report", "."),
-        autoescape=select_autoescape(["html", "j2"]),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["percent"] = percent
-    environment.filters["number"] = number
-    environment.filters["unbroken"] = unbroken
-    return environment
-
-
-def _asset(name: str) -> str:
-    return files("studies.report").joinpath(name).read_text(encoding="utf-8")

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from franbv.projection import silhouette
-from studies.report.page import report_html, unbroken, write_report
+from studies.report.page import report_html, write_report
+from studies.report.templates import unbroken
 from studies.report.scene_payload import UNIT, packed
 from studies.report.strip import projected_ellipses
 from studies.report.svg import Scale, element, round_ticks
