@@ -10,10 +10,10 @@ import pytest
 
 from franbv.projection import silhouette
 from studies.report.page import report_html, write_report
-from studies.report.templates import unbroken
 from studies.report.scene_payload import UNIT, packed
 from studies.report.strip import projected_ellipses
 from studies.report.svg import Scale, element, round_ticks
+from studies.report.templates import unbroken
 from studies.run_words import run_paragraph
 from studies.stored_run import StoredRun
 from tests.studies.analytic_ball import reconstruct_ball
