@@ -14,6 +14,7 @@ COMMANDS = {
     "frame": ("studies.frame", "Take one frame of a part and write every layer of it, truth included."),
     "match": ("studies.match", "Match a real infrared pair; score the depth against a reference."),
     "reconstruct": ("studies.reconstruct", "Reconstruct a part view by view and report how it went."),
+    "study": ("studies.study", "Ask which materials and angles break depth, detector and recovery."),
     "report": ("studies.report_command", "Rebuild the HTML report from the stored results."),
 }
 """Command -> (module with `run(args) -> exit status`, what it does)."""

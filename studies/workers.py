@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from multiprocessing import connection
 from typing import Any
 
+from materials.input_error import InputError
 from studies.console import progress_bar
 from studies.worker_process import Worker
 
@@ -74,6 +75,13 @@ def run_jobs(
 def thread_share(workers: int) -> int:
     """Threads for each of this many workers: the processors that this process may use, shared out, at least one."""
     return max(1, usable_processors() // workers)
+
+
+def worker_count(wanted: int | None) -> int:
+    """How many workers to use: as many as wanted, None = one for each processor; InputError below 1."""
+    if wanted is not None and wanted < 1:
+        raise InputError(f"--workers {wanted}: there must be someone to do the work; give 1 or more")
+    return usable_processors() if wanted is None else wanted
 
 
 def usable_processors() -> int:

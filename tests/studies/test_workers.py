@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from materials.input_error import InputError
 from studies import workers
-from studies.workers import Failure, Job, run_jobs, thread_share
+from studies.workers import Failure, Job, run_jobs, thread_share, worker_count
 from tests.studies import jobs
 
 
@@ -155,3 +156,11 @@ def test_workers_do_not_outlive_a_killed_study(tmp_path: Path):
     parent.wait(30)
     _wait_until_gone(worker)
     assert sorted(path.name for path in tmp_path.iterdir()) == [".partial-abc", "pid"]
+
+
+def test_number_of_workers():
+    """As many as wanted, by default one for each processor, and never none."""
+    assert worker_count(3) == 3
+    assert worker_count(None) == len(os.sched_getaffinity(0))
+    with pytest.raises(InputError, match="--workers 0"):
+        worker_count(0)

@@ -1,0 +1,66 @@
+"""`franbv study sensitivity`: which materials and angles break the depth, the detector and the recovery, and why."""
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from studies.cases import finished_case, prepare_output
+from studies.command_line import parse
+from studies.console import say_json, warn
+from studies.sensitivity_cases import CaseConfig, sweep_cases
+from studies.sensitivity_measurement import CASES, TWINS, CaseTask, TwinTask, do_case, do_twin
+from studies.sensitivity_preset import load_preset
+from studies.sensitivity_tables import gather, summary, write_tables
+from studies.workers import Failure, Job, limit_renderer, run_jobs, worker_count
+
+PROGRAM = "franbv study sensitivity"
+HELP = "Measure which materials and angles break the depth, the detector and the recovery, and why."
+
+
+@dataclass(frozen=True)
+class SensitivityCommand:
+    """The flags of `franbv study sensitivity`."""
+
+    out: Path
+    """Output folder. Finished cases in it are not measured again."""
+    preset: Annotated[str, tyro.conf.arg(metavar="quick|full|FILE.yaml")] = "quick"
+    """What to measure: a preset, or a YAML file of your own."""
+    workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Worker processes; the default is one for each processor."""
+    json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Print one JSON object as the last line of stdout."""
+
+
+def run(args: list[str]) -> int:
+    """Measure what is missing, then build tables and report from all cases."""
+    began = time.perf_counter()
+    command = parse(SensitivityCommand, args, PROGRAM, HELP)
+    preset = load_preset(command.preset)
+    wanted = sweep_cases(preset)
+    workers = worker_count(command.workers)
+    prepare_output(command.out)
+    failures = measure(command.out, [case.config for case in wanted], workers)
+    for failure in failures:
+        warn(f"{PROGRAM}: {failure.name}: {failure.reason}")
+    tables = gather(command.out, wanted)
+    write_tables(command.out, tables)
+    figures = {**summary(tables), "failed": len(failures), "wall_s": time.perf_counter() - began}
+    if command.json:
+        say_json(figures)
+    return 1 if failures else 0
+
+
+def measure(out: Path, configs: list[CaseConfig], workers: int) -> list[Failure]:
+    """Measure the cases that are not there yet, and the twins that they need, on this many processes."""
+    distinct = {config.digest: config for config in configs}
+    missing = [config for digest, config in distinct.items() if finished_case(out / CASES, digest) is None]
+    twins = {twin.digest: twin for config in missing for twin in config.twins}
+    needed = [twin for digest, twin in twins.items() if finished_case(out / TWINS, digest) is None]
+    stages = [
+        [Job(twin.title, do_twin, TwinTask(out, twin)) for twin in needed],
+        [Job(config.title, do_case, CaseTask(out, config)) for config in missing],
+    ]
+    return run_jobs(stages, workers, limit_renderer, already_done=len(distinct) - len(missing))

@@ -1,0 +1,134 @@
+"""What the planner makes of one labelled view: reflective regions, and what their recovery regains.
+
+The planner knows nothing but this view, as after the first view of a run: the burst goes into an empty map, the object
+and its ellipsoids come from there, and the detector looks at the same burst, as the loop does. So nothing of the true
+shape helps the detector, and what a surface without any depth hides stays hidden.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from franbv.object_model import object_model
+from franbv.parameters import Parameters
+from franbv.planners import Model, fra
+from franbv.reflective_regions import Detection
+from franbv.sensing import DepthBurst
+from franbv.voxel_map import empty_map
+from render.arm import SimulatedArm
+from studies.detection_scores import GROUPED, LOCATED, score_detection
+from studies.images import MM
+from studies.missing_surface import Surface, block_pixels, missing_patches, visible_surface
+from studies.recovery_scores import State, Views, burst_points, score_recovery, still_missing
+from studies.sensitivity_cases import plain_paths
+from studies.sensitivity_columns import STAGES
+from studies.sensitivity_counts import part_pixels
+from studies.sensitivity_views import LabelledView
+
+STAGE_NAMES = dict(zip(STAGES, (*STAGES[:3], LOCATED, GROUPED), strict=True))
+"""Steps of the detector by the names of the columns, and by those of the scores."""
+
+
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """One view through the planner's eyes."""
+
+    model: Model
+    """Map, object and ellipsoids with this burst in them."""
+    detection: Detection
+
+
+def first_look(burst: DepthBurst, parameters: Parameters, seed: int) -> Planned:
+    """Map the burst, fit the ellipsoids, detect."""
+    planner = fra()
+    assert planner.recovery is not None
+    with threadpool_limits(1):
+        voxel_map = planner.integrate(empty_map(parameters), burst, parameters)
+        estimate = object_model(voxel_map, parameters)
+        model = Model(voxel_map, estimate, planner.approximate(estimate, parameters, np.random.SeedSequence(seed)))
+        return Planned(model, planner.recovery.detect(burst, model, parameters))
+
+
+def detection_counts(view: LabelledView, planned: Planned) -> dict[str, Any]:
+    """The detector's counts, by the names of the columns."""
+    pose = view.measurement.T_world_cam
+    scores = score_detection(view.camera, pose, view.truth, view.labels, planned.detection)
+    stages = {column: scores.stages[name] for column, name in STAGE_NAMES.items()}
+    holes = scores.hidden.reflective_holes
+    return {
+        "reflective": stages["grouped"].n_true,
+        **{f"found_{column}": score.n_found for column, score in stages.items()},
+        **{f"right_{column}": score.n_both for column, score in stages.items()},
+        "hidden_holes": holes.total - holes.hole,
+        "fine_holes": holes.total,
+        "regions": len(scores.regions),
+        "in_front_mm": MM * scores.regions[0].in_front if scores.regions else None,
+    }
+
+
+def recovery_rows(
+    view: LabelledView, planned: Planned, parameters: Parameters, seed: int, paths: int
+) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """What the recovery of the largest region regains: the view's columns, and a row per recovery view.
+
+    Nothing where no region was found, or where all that it signals is covered.
+    """
+    missing = signalled_surface(view, planned.detection)
+    if missing is None or missing.area == 0:
+        return {}, []
+    pose = view.measurement.T_world_cam
+    camera, arm = view.camera.changed(**plain_paths(paths)), SimulatedArm.around(view.camera.world.source.part_mesh())
+    planner = fra()
+    assert planner.recovery is not None
+    region = planned.detection.boxes[0]
+    recovery = planner.recovery.poses(region, pose, parameters, arm.reachable, camera.min_z)
+    state = State(planned.model, pose, missing)
+    with threadpool_limits(1):
+        score = score_recovery(state, recovery, camera, arm, parameters, seed, n_poses=0)
+    takes = [*_views("diamond", score.diamond), *_views("pb", score.pb)]
+    return _summary(score.missing_area, score.diamond, score.pb), takes
+
+
+def signalled_surface(view: LabelledView, detection: Detection) -> Surface | None:
+    """The part's true surface that the largest region signals: all of every hole that has a pixel in the region.
+
+    Holes are matched by their pixels, since a region's points may lie centimetres before the surface. Surface that the
+    view's own points cover already is left out. None without a region.
+    """
+    if not detection.boxes:
+        return None
+    u, v = detection.pixels[detection.labels == 0].T
+    in_region = np.zeros(view.truth.depth.size, bool)
+    in_region[block_pixels(view.camera)[v, u].ravel()] = True
+    patches = [patch for patch in missing_patches(view.camera, view.labels) if in_region[patch].any()]
+    chosen = np.concatenate(patches) if patches else np.zeros(0, int)
+    chosen = chosen[part_pixels(view.camera, view.truth).ravel()[chosen]]
+    surface = visible_surface(view.truth, view.camera.rig.intrinsics, view.measurement.T_world_cam).only(chosen)
+    return still_missing(surface, burst_points(view.measurement.burst))
+
+
+def _summary(area: float, diamond: Views, pb: Views) -> dict[str, Any]:
+    mm2 = MM**2 * area
+    return {
+        "recovery_views": len(diamond.gains),
+        "pb_views": len(pb.gains),
+        "missing_mm2": mm2,
+        "regained_mm2": mm2 * float(np.nan_to_num(diamond.regained)),  # no pose, nothing regained
+        "pb_regained_mm2": mm2 * float(np.nan_to_num(pb.regained)),
+    }
+
+
+def _views(kind: str, views: Views) -> list[dict[str, Any]]:
+    return [
+        {
+            "kind": kind,
+            "number": number,
+            "regained_share": gain.regained,
+            "incidence_before_deg": gain.incidence_before_deg,
+            "incidence_deg": gain.incidence_deg,
+            "turn_deg": gain.turn_deg,
+        }
+        for number, gain in enumerate(views.gains)
+    ]

@@ -1,0 +1,58 @@
+"""Shares of the rows of a sensitivity study, pooled over whatever rows are asked for."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+from render.causes import GROUPS, HOLES, Cause, members
+from studies.estimates import pooled
+from studies.sensitivity_columns import FALSE_DEPTHS, cause_column
+
+Row = Mapping[str, Any]
+Counted = Callable[[Row], int | None]
+
+
+def holes(row: Row) -> int:
+    """Pixels of the part without depth."""
+    return sum(row[cause_column(cause)] for cause in HOLES)
+
+
+def false_depth(row: Row) -> int:
+    """Pixels of the part with false depth."""
+    return sum(row[cause_column(cause)] for cause in FALSE_DEPTHS)
+
+
+def of_cause(group: str) -> Counted:
+    """Pixels of the part that are missing for this cause, its sub-kinds together."""
+    columns = [cause_column(cause) for cause in members(group)]
+    return lambda row: sum(row[column] for column in columns)
+
+
+def reflection_holes(row: Row) -> int:
+    """Pixels of the part that reflection has cost."""
+    return sum(row[cause_column(cause)] for cause in members("reflection"))
+
+
+def part_pixels(row: Row) -> int:
+    """Pixels of the part."""
+    return row["part_pixels"]
+
+
+def share(rows: Iterable[Row], part: Counted, whole: Counted) -> float | None:
+    """Sum over the rows of the part over that of the whole; None where the whole is nothing."""
+    rows = list(rows)
+    return pooled(map(part, rows), map(whole, rows))
+
+
+def leading_kind(rows: Sequence[Row]) -> tuple[Cause, float] | None:
+    """The sub-kind of reflection that takes most pixels, and its share of them; None without any."""
+    counts = {cause: sum(row[cause_column(cause)] for row in rows) for cause in members("reflection")}
+    total = sum(counts.values())
+    if total == 0:
+        return None
+    cause = max(counts, key=lambda c: counts[c])
+    return cause, counts[cause] / total
+
+
+def cause_shares(rows: Sequence[Row]) -> dict[str, float | None]:
+    """Share of every group of causes in the missing pixels of the part."""
+    return {group: share(rows, of_cause(group), holes) for group in GROUPS}

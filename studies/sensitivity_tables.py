@@ -1,0 +1,73 @@
+"""The tables of a study, gathered from the folders of its finished cases, and the figures that sum them up."""
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from studies.cases import finished_case
+from studies.sensitivity_cases import SweepCase
+from studies.sensitivity_columns import INCIDENCE_COLUMNS, RECOVERY_VIEW_COLUMNS, VIEW_COLUMNS
+from studies.sensitivity_measurement import CASES, RESULT
+from studies.sensitivity_shares import Row, false_depth, holes, part_pixels, share
+from studies.study_table import Column, write_rows
+
+TABLES: Mapping[str, Sequence[Column]] = {
+    "views": VIEW_COLUMNS,
+    "incidence": INCIDENCE_COLUMNS,
+    "recovery_views": RECOVERY_VIEW_COLUMNS,
+}
+"""Tables by name, each a file NAME.parquet of the study and a list of rows in the result of every case."""
+
+
+@dataclass(frozen=True)
+class Tables:
+    """Rows of all finished cases, in the order of the preset; a case of two sweeps has rows for both."""
+
+    views: list[Row]
+    incidence: list[Row]
+    recovery_views: list[Row]
+
+    def rows(self, name: str) -> list[Row]:
+        """A table by its name."""
+        return getattr(self, name)
+
+
+def gather(out: Path, wanted: Iterable[SweepCase]) -> Tables:
+    """Read the results of those wanted cases that are finished."""
+    rows: dict[str, list[Row]] = {name: [] for name in TABLES}
+    for case in wanted:
+        folder = finished_case(out / CASES, case.config.digest)
+        if folder is not None:
+            result = json.loads((folder / RESULT).read_text(encoding="utf-8"))
+            for name in TABLES:
+                rows[name] += [{"sweep": case.sweep, **row} for row in result[name]]
+    return Tables(**rows)
+
+
+def write_tables(out: Path, tables: Tables) -> None:
+    """Write every table as Parquet."""
+    for name, columns in TABLES.items():
+        write_rows(out / f"{name}.parquet", columns, tables.rows(name))
+
+
+def summary(tables: Tables) -> dict[str, Any]:
+    """The study's figures; shares are pooled over all cases, null where there is nothing to have a share of.
+
+    Holes and false depth: of the part's pixels. Unexplained: of all pixels without depth. Detection: decimated pixels
+    in regions against those without depth because of reflection. Recovery: of the missing surface that the regions
+    signal, what the diamond poses regain, and what as many views of PB-NBV do.
+    """
+    once = list({(row["case"], row["lamps"], row["laser_mw"]): row for row in tables.views}.values())
+    main = [row for row in once if row["main_light"]]
+    return {
+        "cases": len(main),
+        "unexplained_share": share(once, lambda row: row["window_unexplained"], lambda row: row["window_holes"]),
+        "hole_share": share(main, holes, part_pixels),
+        "false_depth_share": share(main, false_depth, part_pixels),
+        "detection_precision": share(main, lambda row: row["right_grouped"], lambda row: row["found_grouped"]),
+        "detection_recall": share(main, lambda row: row["right_grouped"], lambda row: row["reflective"]),
+        "recovered_share": share(main, lambda row: row.get("regained_mm2"), lambda row: row.get("missing_mm2")),
+        "pb_recovered_share": share(main, lambda row: row.get("pb_regained_mm2"), lambda row: row.get("missing_mm2")),
+    }
