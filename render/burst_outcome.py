@@ -21,6 +21,9 @@ SUBPIXEL_RMS = 0.1
 """Of the noise law RMS_z = Z^2 subpixel_rms / (f B) [px] (D400 depth quality: 0.05 to 0.1 px; the larger one)."""
 SIGMAS = 3.0
 """Errors within this many standard deviations are noise (the usual three)."""
+SAME_MATCH_PX = 1.0
+"""A disparity this near the truth belongs to the right match, whatever its noise [px] (choice: the matcher's own
+left-right check allows 0.75 px)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,16 +49,24 @@ class Outcome:
 
 def burst_outcome(camera: SimulatedD435i, measurement: Measurement, truth: Truth) -> Outcome:
     """Judge a burst against the truth from the same pose."""
-    focal_baseline = camera.rig.focal_baseline
     depth = median_depth(measurement.depths)
     decimated = median_depth(measurement.burst.depths)
     expected = median_depth(perfect_blocks(camera, measurement.z16, truth.depth))
     return Outcome(
         depth == 0,
-        is_false_depth(depth, truth.depth, focal_baseline),
+        is_false_depth(depth, truth.depth, camera.rig.focal_baseline),
         decimated == 0,
-        is_false_depth(decimated, expected, focal_baseline),
+        is_false_depth(decimated, expected, camera.rig.focal_baseline),
     )
+
+
+def is_matched_rightly(camera: SimulatedD435i, measurement: Measurement, truth: Truth) -> Bool[np.ndarray, "h w"]:
+    """Pixels with depth whose disparity is within SAME_MATCH_PX of the true one, at full resolution."""
+    depth = median_depth(measurement.depths)
+    both = (depth > 0) & (truth.depth > 0)
+    far = np.float32(np.inf)
+    error = camera.rig.focal_baseline * (1 / np.where(both, depth, far) - 1 / np.where(both, truth.depth, far))
+    return both & (np.abs(error) <= SAME_MATCH_PX)
 
 
 def persistently_invalid(depths: Float[np.ndarray, "n h w"] | UInt16[np.ndarray, "n h w"]) -> Bool[np.ndarray, "h w"]:

@@ -46,6 +46,19 @@ def reflection_kinds(
     return np.where(pixels, _spread(shown), np.uint8(Cause.MEASURED))
 
 
+def looks_different(measurement: Measurement, other: Measurement, truth: Truth, rig: Rig) -> Bool[np.ndarray, "h w"]:
+    """Pixels whose window, or that of their partner, is brighter or darker in the other burst by LEAST_CONTRAST."""
+    left, right = (
+        cv2.blur(np.abs(a.mean(axis=0, dtype=np.float32) - b.mean(axis=0, dtype=np.float32)), (CENSUS_PX, CENSUS_PX))
+        for a, b in ((measurement.lefts, other.lefts), (measurement.rights, other.rights))
+    )
+    different = left >= LEAST_CONTRAST
+    at = np.argwhere(~different & (truth.depth > 0))
+    partners = np.rint(true_partners(truth.depth, rig, at)).astype(int)
+    different[tuple(at.T)] = right[at[:, 0], partners] >= LEAST_CONTRAST
+    return different
+
+
 def _spread(shown: UInt8[np.ndarray, "h w"]) -> UInt8[np.ndarray, "h w"]:
     """Every pixel takes the value of the nearest one that has any; disagreeing if none has."""
     if not shown.any():

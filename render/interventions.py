@@ -1,14 +1,16 @@
 """Measure a pose again with one thing changed: no projector shadows, one surface only, dots as strong as near by.
 
-Exposure, gain, noise and speckle stay those of the measurement, so that nothing but the light differs.
+Exposure, gain, noise and speckle stay those of the measurement, so that nothing but the light differs. These leave the
+metal in place, which gives false depth by itself: a pixel has come back only when it is matched rightly.
 """
 
 import numpy as np
 from jaxtyping import Bool, Float32
 
-from render.burst_outcome import persistently_invalid
+from render.burst_outcome import is_matched_rightly
 from render.d435i import Measurement, SimulatedD435i
 from render.imager_settings import REFERENCE_LASER_POWER_MW
+from render.infrared_evidence import looks_different
 from render.radiance import RadianceLayers
 from render.surface import SurfaceMap
 from render.truth import Truth
@@ -17,22 +19,26 @@ FULL_STRENGTH_AT = 0.3
 """Dots are as strong as they are meant to be at this distance [m] (D435i: nearest of its ideal range, 0.3 to 3 m)."""
 
 
-def invalid_without_shadows(camera: SimulatedD435i, measurement: Measurement) -> Bool[np.ndarray, "h w"]:
-    """Pixels that are invalid still when nothing stands in the projector's light."""
+def matched_without_shadows(camera: SimulatedD435i, measurement: Measurement, truth: Truth) -> Bool[np.ndarray, "h w"]:
+    """Pixels that are matched rightly when nothing stands in the projector's light."""
     lit = camera.changed(imager=measurement.imager, projector_shadows=False)
-    return persistently_invalid(lit.measure(measurement.T_world_cam, len(measurement.z16)).z16)
+    return is_matched_rightly(lit, lit.measure(measurement.T_world_cam, len(measurement.z16)), truth)
 
 
-def invalid_at_first_surface(camera: SimulatedD435i, measurement: Measurement) -> Bool[np.ndarray, "h w"]:
-    """Pixels that are invalid still when light paths stop at the first surface: no mirror images, no mutual light."""
+def matched_at_first_surface(camera: SimulatedD435i, measurement: Measurement, truth: Truth) -> Bool[np.ndarray, "h w"]:
+    """Pixels that are matched rightly when paths stop at the first surface: no mirror images, no mutual light.
+
+    Only where that changes the images at all: a highlight that stays white may be matched otherwise by chance.
+    """
     direct = camera.changed(imager=measurement.imager, max_depth=1)
-    return persistently_invalid(direct.measure(measurement.T_world_cam, len(measurement.z16)).z16)
+    again = direct.measure(measurement.T_world_cam, len(measurement.z16))
+    return is_matched_rightly(direct, again, truth) & looks_different(measurement, again, truth, camera.rig)
 
 
-def invalid_with_strong_dots(
+def matched_with_strong_dots(
     camera: SimulatedD435i, measurement: Measurement, truth: Truth, right: SurfaceMap
 ) -> Bool[np.ndarray, "h w"]:
-    """Pixels that are invalid still when distance takes nothing from the dots and the laser has its default power.
+    """Pixels that are matched rightly when distance takes nothing from the dots and the laser has its default power.
 
     The law of inverse squares is undone in the rendered layers. right: what the right imager's pixels see.
     """
@@ -43,7 +49,7 @@ def invalid_with_strong_dots(
     right_depth = to_right.apply(right.position.reshape(-1, 3).astype(float))[:, 2].reshape(truth.depth.shape)
     left_layers = _strengthened(measurement.left_layers, truth.depth)
     right_layers = _strengthened(measurement.right_layers, right_depth.astype(np.float32))
-    return persistently_invalid(strong.expose(pose, left_layers, right_layers, len(measurement.z16)).z16)
+    return is_matched_rightly(strong, strong.expose(pose, left_layers, right_layers, len(measurement.z16)), truth)
 
 
 def _strengthened(layers: RadianceLayers, depth: Float32[np.ndarray, "h w"]) -> RadianceLayers:

@@ -25,7 +25,7 @@ from render.causes import GROUPS, HOLES, Cause, members
 from render.d435i import Measurement, SimulatedD435i
 from render.geometric_causes import geometry, near
 from render.infrared_evidence import WHITE_SHARE, reflection_kinds, true_partners, white_share
-from render.interventions import invalid_at_first_surface, invalid_with_strong_dots
+from render.interventions import matched_at_first_surface, matched_with_strong_dots
 from render.matte_twin import MatteTwin, in_window, measure_twin
 from render.mitsuba_scene import NO_BODY
 from render.surface import SurfaceMap, surface_map
@@ -109,10 +109,10 @@ def _causes(
     settle(invalid & ~reflects & places.near_dark, Cause.OUT_OF_REACH)
     undecided = invalid & ~reflects & (cause == Cause.MEASURED)
     if undecided.any():
-        settle(undecided & ~invalid_with_strong_dots(camera, measurement, truth, right), Cause.OUT_OF_REACH)
+        settle(undecided & matched_with_strong_dots(camera, measurement, truth, right), Cause.OUT_OF_REACH)
         settle(undecided, Cause.UNEXPLAINED)
     if reflects.any():
-        settle(reflects & ~invalid_at_first_surface(camera, measurement), Cause.REFLECTION_INTERREFLECTION)
+        settle(reflects & matched_at_first_surface(camera, measurement, truth), Cause.REFLECTION_INTERREFLECTION)
         settle(reflects, reflection_kinds(measurement, truth, camera.rig, reflects))
     return cause
 

@@ -17,7 +17,7 @@ from render.burst_outcome import Outcome, burst_outcome
 from render.causes import Cause
 from render.d435i import SimulatedD435i
 from render.geometric_causes import geometry
-from render.interventions import invalid_without_shadows
+from render.interventions import matched_without_shadows
 from render.truth import Truth
 from scenes.scene import Scene
 
@@ -28,7 +28,7 @@ class MatteTwin:
 
     outcome: Outcome
     lost_to_shadow: Bool[np.ndarray, "h w"]
-    """Invalid, and valid once the projector's shadows are lifted."""
+    """Invalid, and matched rightly once the projector's shadows are lifted."""
     n_frames: int
     """Length of the burst: the noise of a shorter one would differ at the margin."""
 
@@ -52,7 +52,7 @@ def measure_twin(
     places = geometry(camera, truth)
     lost = outcome.invalid & in_window(camera) & places.near_shadow & (places.impossible == Cause.MEASURED)
     if lost.any():
-        lost &= ~invalid_without_shadows(twin, measurement)
+        lost &= matched_without_shadows(twin, measurement, truth)
     return MatteTwin(outcome, lost, n_frames)
 
 
