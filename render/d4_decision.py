@@ -15,6 +15,12 @@ from render.compiled import compiled
 from render.d4_settings import PATHS, D4Settings
 from render.matcher import SUBPIXEL_STEPS
 
+NO_COST = np.int16(32767)
+"""Marks lanes outside the search in `Evidence`."""
+
+OUTSIDE = np.int16(-30000)
+"""Winning lane of a pixel that takes no part: more than one lane from any other."""
+
 HOLE = np.int16(-12000)
 """Stands for a hole where neighbours are compared: farther from any disparity than any tolerance."""
 
@@ -82,6 +88,73 @@ def _select(left, right, ahead, wanted, second_peak, left_right, fit_costs, para
 
 @no_type_check
 @compiled
+def _add_surface_costs(reference, lanes, planes, radius, sums):
+    """Sum the costs of lanes reference - 1, reference, reference + 1 over the neighbours that won within one lane."""
+    h, w = reference.shape
+    for y in range(h):
+        for yn in range(max(0, y - radius), min(h, y + radius + 1)):
+            for dx in range(-radius, radius + 1):
+                first, last = max(0, -dx), min(w, w - dx)
+                centre, other = reference[y, first:last], lanes[yn, first + dx : last + dx]
+                p0, p1 = planes[0, yn, first + dx : last + dx], planes[1, yn, first + dx : last + dx]
+                p2, p3 = planes[2, yn, first + dx : last + dx], planes[3, yn, first + dx : last + dx]
+                p4 = planes[4, yn, first + dx : last + dx]
+                low, same, high = sums[0, y, first:last], sums[1, y, first:last], sums[2, y, first:last]
+                for x in range(last - first):
+                    offset = np.int16(centre[x] - other[x])
+                    c0, c1, c2, c3, c4 = p0[x], p1[x], p2[x], p3[x], p4[x]
+                    same_lane, above = offset == np.int16(0), offset == np.int16(1)
+                    near = np.int16(-1) if (offset >= np.int16(-1)) & (offset <= np.int16(1)) else np.int16(0)
+                    # All three are read and one is kept, so that the loop has no branches.
+                    low[x] += np.int16(near & (c1 if same_lane else (c2 if above else c0)))
+                    same[x] += np.int16(near & (c2 if same_lane else (c3 if above else c1)))
+                    high[x] += np.int16(near & (c3 if same_lane else (c4 if above else c2)))
+
+
+@no_type_check
+@compiled
+def _fit_surface(reference, sums, found):
+    h, w = reference.shape
+    for y in range(h):
+        for x in range(w):
+            if reference[y, x] < 0:
+                continue
+            below = np.int32(sums[0, y, x]) - sums[1, y, x]
+            above = np.int32(sums[2, y, x]) - sums[1, y, x]
+            fraction = np.float32(0)
+            if below < 0 or above < 0:
+                fraction = np.float32(-0.5 if below < above else 0.5)
+            else:
+                fraction = _fraction(below, above, False)
+            found[y, x] = np.int16(np.floor((reference[y, x] + fraction) * np.float32(32) + np.float32(0.5)))
+
+
+def fit_surfaces(
+    evidence: Evidence, found: UInt16[np.ndarray, "h w"], settings: D4Settings
+) -> UInt16[np.ndarray, "h w"]:
+    """Sub-pixel disparity from costs averaged over the neighbours of the same surface [1/32 px, 0 = hole].
+
+    A neighbour belongs to the surface when its winner is at most one lane away; costs are averaged at equal disparity.
+    Pixels whose five lanes are not all inside the search keep what they have.
+    """
+    planes = evidence.left[4:9]
+    complete = (found > 0) & np.all(planes != NO_COST, axis=0)
+    lanes = np.where(complete, evidence.left[0], OUTSIDE)
+    sums = np.zeros((3, *lanes.shape), np.int16)
+    _add_surface_costs(lanes, lanes, planes, settings.surface_radius, sums)
+    # The paths may hold the winner back by a lane where the surface slopes: fit around the lowest of the three.
+    step = np.where(sums[0] < sums[1], np.int16(-1), np.int16(0))
+    step = np.where(sums[2] < np.minimum(sums[0], sums[1]), np.int16(1), step)
+    reference = np.where(complete, lanes + step, OUTSIDE)
+    sums[:] = 0
+    _add_surface_costs(reference, lanes, planes, settings.surface_radius, sums)
+    fitted = found.copy()
+    _fit_surface(reference, sums, fitted)
+    return fitted
+
+
+@no_type_check
+@compiled
 def _agreeing_neighbours(padded, radius, tolerance, counts):
     h, w = counts.shape
     for y in range(h):
@@ -135,6 +208,8 @@ def select(evidence: Evidence, wanted: int, settings: D4Settings) -> UInt16[np.n
 def decide(evidence: Evidence, wanted: int, settings: D4Settings) -> UInt16[np.ndarray, "h w"]:
     """Selected winners after median and neighbour count, above the search's start [1/32 px], 0 = hole."""
     found = select(evidence, wanted, settings)
+    if settings.subpixel == "costs" and settings.surface_radius > 0:
+        found = fit_surfaces(evidence, found, settings)
     if settings.median_first:
         found = with_support(np.asarray(cv2.medianBlur(found, 3)), settings)
     else:

@@ -8,19 +8,21 @@ indexing keeps LLVM from vectorising; the number of lanes is a compile-time cons
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
-from llvmlite import ir
 from numba import njit
-from numba.extending import intrinsic
 
 from render.compiled import compiled
+from render.lane_instructions import multiply_high, popcount
 
 U, I16, U16 = np.uint64, np.int16, np.uint16
 ONE = U(1)
 LONGEST_V = U(4)
 """Longest vertical arm: the rows that a row of costs must wait for [px]."""
+LONGEST_U = U(8)
+"""Longest horizontal arm: the columns by which sums along a row run ahead [px]."""
+COLUMNS = U(32)
+"""Columns of row sums that are alive at any time: at least 2 LONGEST_U + 2, and a power of two."""
 RING = U(2) * LONGEST_V + U(2)
 """Rows of column sums that are alive at any time."""
 GUARD = U(16)
@@ -40,53 +42,26 @@ COST_SCALE = 1023 * (1 - np.exp(-80 / 52)) / 428
 """10-bit cost units, in which the penalties and thresholds are, per unit of the above."""
 
 
-def _count_bits(typingctx, word):
-    """Number of set bits (LLVM's ctpop, which has vector forms)."""
-
-    def emit(context, builder, signature, args):
-        return builder.ctpop(args[0])
-
-    return word(word), emit
-
-
-def _upper_product(typingctx, a, b):
-    """Upper 16 bits of the 32-bit product of two 16-bit numbers (one vector instruction)."""
-
-    def emit(context, builder, signature, args):
-        wide = ir.IntType(32)
-        product = builder.mul(builder.sext(args[0], wide), builder.sext(args[1], wide))
-        return builder.trunc(builder.lshr(product, ir.Constant(wide, 16)), ir.IntType(16))
-
-    return a(a, b), emit
-
-
-_popcount: Any = intrinsic(_count_bits)
-_multiply_high: Any = intrinsic(_upper_product)
-
-
 @njit
-def _add_costs(left, right, first, stride, lane, last, prefix, at, lanes):
+def _add_costs(left, right, first, stride, lane, last, prefix, before, at, lanes):
     """Continue the sums of census costs along a row by one pixel; lanes above `last` have no partner."""
     l0, l1, l2, l3, l4 = left
     k1, k2, k3 = CENSUS_COSTS
     for d in range(lanes):
         i = first + d
-        bits = U16(_popcount(l0 ^ right[i]) + _popcount(l1 ^ right[i + stride]))
-        bits = U16(bits + _popcount(l2 ^ right[i + U(2) * stride]))
-        bits = U16(bits + _popcount(l3 ^ right[i + U(3) * stride]))
-        h = I16(U16(bits + _popcount(l4 ^ right[i + U(4) * stride])) << U16(8))
-        cost = _multiply_high(h, I16(k1 - _multiply_high(h, I16(k2 - _multiply_high(h, k3)))))
-        prefix[at + d] = U16(prefix[at + d - lanes] + U16(cost if lane[d] <= last else NO_PARTNER))
+        bits = U16(popcount(l0 ^ right[i]) + popcount(l1 ^ right[i + stride]))
+        bits = U16(bits + popcount(l2 ^ right[i + U(2) * stride]))
+        bits = U16(bits + popcount(l3 ^ right[i + U(3) * stride]))
+        h = I16(U16(bits + popcount(l4 ^ right[i + U(4) * stride])) << U16(8))
+        cost = multiply_high(h, I16(k1 - multiply_high(h, I16(k2 - multiply_high(h, k3)))))
+        prefix[at + d] = U16(prefix[before + d] + U16(cost if lane[d] <= last else NO_PARTNER))
 
 
 @njit
-def _stack_row(prefix, arms_left, arms_right, above, row, width, lanes):
-    """Horizontal arm sums of a row added to the column sums `above`: the column sums down to this row."""
-    for k in range(width):
-        low = (k - U(arms_left[k])) * lanes
-        high = (k + U(arms_right[k]) + ONE) * lanes
-        for d in range(lanes):
-            row[k * lanes + d] = U16(above[k * lanes + d] + U16(prefix[high + d] - prefix[low + d]))
+def _stack(prefix, low, high, above, row, at, lanes):
+    """One pixel's horizontal arm sum added to the column sum `above` it: the column sum down to this row."""
+    for d in range(lanes):
+        row[at + d] = U16(above[at + d] + U16(prefix[high + d] - prefix[low + d]))
 
 
 @njit
@@ -98,7 +73,7 @@ def _mean_costs(sums, below, above, reciprocal, costs, at, lanes):
     half = I16(reciprocal >> I16(1))
     for d in range(lanes):
         centred = I16(U16(sums[below + d] - sums[above + d]) ^ U16(32768))
-        costs[at + d] = I16(_multiply_high(centred, reciprocal) + half)
+        costs[at + d] = I16(multiply_high(centred, reciprocal) + half)
 
 
 @njit
@@ -213,6 +188,73 @@ def _note_right(totals, stride, ahead, lowest, best, w, wanted, found, y, j):
         found[2, y, j] = totals[at + stride + ONE] - lowest
 
 
+@njit(inline="always")
+def _sum_row(words_left, right, right_width, width, plane, ahead, y, arms, lane, prefix, older, newest, lanes):
+    """Costs of a row, summed along the horizontal arms, added to the column sums `older` into `newest`."""
+    w = U(words_left.shape[2])
+    prefix[:] = 0
+    for x in range(w + LONGEST_U):
+        if x < w:
+            words = words_left[:, y, x]
+            left, last = (words[0], words[1], words[2], words[3], words[4]), I16(right_width - ONE - ahead + x)
+            before, at = x % COLUMNS * lanes, (x + ONE) % COLUMNS * lanes
+            _add_costs(left, right, y * width + ahead - x, plane, lane, last, prefix, before, at, lanes)
+        if x >= LONGEST_U:
+            k = x - LONGEST_U
+            low = (k - U(arms[0, y, k])) % COLUMNS * lanes
+            high = (k + U(arms[1, y, k]) + ONE) % COLUMNS * lanes
+            _stack(prefix, low, high, older, newest, k * lanes, lanes)
+
+
+@njit(inline="always")
+def _forward(y, h, w, width, ahead, arms, reciprocals, edges, sums, costs, small, large, side, above, low_above,
+             upper_right, low_right, totals, stride, lanes):  # fmt: skip
+    """Costs of a row; its paths from the left, from above and from the upper right, summed into `totals`."""
+    here, low = GUARD, I16(0)
+    side[GUARD : GUARD + lanes] = 0
+    for k in range(w):
+        below = ((y + U(arms[3, y, k]) + ONE) % RING * w + k) * lanes
+        beyond = ((y - U(arms[2, y, k])) % RING * w + k) * lanes
+        at, j, slot = k * lanes, ahead - k, k * stride + GUARD
+        _mean_costs(sums, below, beyond, reciprocals[y, k], costs, at, lanes)
+        before, here = here, GUARD + stride if here == GUARD else GUARD
+        row = U(edges[0, y, k]) * width + j
+        low = _step(side, before, low, costs, at, small, large, row, side, here, lanes)
+        row = (U(2) + U(edges[1, y, k])) * width + j
+        up = h - ONE - y + k
+        into, lowest = up * stride + GUARD, low_above[up + ONE]
+        low_above[up] = _step(above, into + stride, lowest, costs, at, small, large, row, above, into, lanes)
+        row, lowest = (U(6) + U(edges[3, y, k])) * width + j, low_right[k + ONE]
+        low_right[k] = _step(upper_right, slot + stride, lowest, costs, at, small, large, row, upper_right, slot, lanes)
+        _sum_three(side, here, above, into, upper_right, slot, totals, slot, lanes)
+
+
+@njit(inline="always")
+def _backward(y, w, width, right_width, ahead, edges, costs, small, large, side, upper_left, low_left, totals, lane,
+              wanted, right_lowest, right_best, found, stride, lanes):  # fmt: skip
+    """A row's paths from the right and from the upper left; its winners, and its bids for the right image."""
+    here, low = GUARD, I16(0)
+    side[GUARD : GUARD + lanes] = 0
+    for back in range(w):
+        k = w - ONE - back
+        at, j, slot = k * lanes, ahead - k, k * stride + GUARD
+        before, here = here, GUARD + stride if here == GUARD else GUARD
+        row = U(0)  # the first column from the right has no predecessor, so no penalty matters
+        if back > 0:
+            row = U(edges[0, y, k + ONE]) * width + j - ONE
+        low = _step(side, before, low, costs, at, small, large, row, side, here, lanes)
+        row, into = (U(4) + U(edges[2, y, k])) * width + j, slot + stride
+        low_left[k + ONE] = _step(upper_left, slot, low_left[k], costs, at, small, large, row, upper_left, into, lanes)
+        last = I16(right_width - ONE - ahead + k)
+        n = min(wanted, I16(last + 1))
+        lowest = _complete(side, here, upper_left, into, totals, slot, lane, n, lanes)
+        if n > 0:
+            best = _winner(totals, slot, lane, lowest, lanes)
+            second = _second_peak(totals, slot, lane, best, n, lanes)
+            _note(totals, slot, costs, at, lowest, best, second, min(last, I16(lanes - ONE)), found, y, k)
+        _offer_to_right(totals, slot, lane, wanted, right_lowest, right_best, j, lanes)
+
+
 @lru_cache
 def stream_kernel(n_lanes: int) -> Callable[..., None]:
     """The kernel for a number of lanes (a multiple of 32), compiled on first use or loaded from numba's cache."""
@@ -223,73 +265,30 @@ def stream_kernel(n_lanes: int) -> Callable[..., None]:
     def stream(words_left, words_right, right_width, ahead, arms, reciprocals, edges_left, edges_right, wanted,
                penalties, found, found_right):  # fmt: skip
         h, w, width = U(words_left.shape[1]), U(words_left.shape[2]), U(words_right.shape[2])
-        flat_right, plane = words_right.reshape(-1), h * width
+        right, plane = words_right.reshape(-1), h * width
         lane, wanted = np.arange(np.int64(lanes)).astype(I16), I16(wanted)
-        prefix, sums = np.zeros((w + ONE) * lanes, U16), np.zeros((RING, w * lanes), U16)
-        flat_sums = sums.reshape(-1)
-        costs, totals = np.zeros(w * lanes, I16), _guarded(w, lanes, stride)
+        prefix, sums = np.zeros(COLUMNS * lanes, U16), np.zeros((RING, w * lanes), U16)
+        flat_sums, costs, totals = sums.reshape(-1), np.zeros(w * lanes, I16), _guarded(w, lanes, stride)
         # A row of the path from above moves down by one column a row, so that reading and writing never overlap.
         side, above = _guarded(U(2), lanes, stride), _guarded(w + h, lanes, stride)
         upper_left, upper_right = _guarded(w + ONE, lanes, stride), _guarded(w + ONE, lanes, stride)
         low_above, low_left, low_right = np.zeros(w + h, I16), np.zeros(w + ONE, I16), np.zeros(w + ONE, I16)
         small, large = np.zeros(U(8) * width, I16), np.zeros(U(8) * width, I16)
         right_lowest, right_best = np.zeros(width, I16), np.zeros(width, I16)
-
         for y_in in range(h + LONGEST_V):
             if y_in < h:
-                for k in range(w):
-                    left = (words_left[0, y_in, k], words_left[1, y_in, k], words_left[2, y_in, k],
-                            words_left[3, y_in, k], words_left[4, y_in, k])  # fmt: skip
-                    first, last = y_in * width + ahead - k, I16(right_width - ONE - ahead + k)
-                    _add_costs(left, flat_right, first, plane, lane, last, prefix, (k + ONE) * lanes, lanes)
-                newest = (y_in + ONE) % RING
-                _stack_row(prefix, arms[0, y_in], arms[1, y_in], sums[y_in % RING], sums[newest], w, lanes)
+                older, newest = sums[y_in % RING], sums[(y_in + ONE) % RING]
+                _sum_row(words_left, right, right_width, width, plane, ahead, y_in, arms, lane, prefix, older, newest,
+                         lanes)  # fmt: skip
             if y_in < LONGEST_V:
                 continue
             y = y_in - LONGEST_V
             _penalty_rows(edges_right, y, penalties, small, large, width)
+            _forward(y, h, w, width, ahead, arms, reciprocals, edges_left, flat_sums, costs, small, large, side, above,
+                     low_above, upper_right, low_right, totals, stride, lanes)  # fmt: skip
             right_lowest[:] = NONE
-            here, low = GUARD, I16(0)
-            side[GUARD : GUARD + lanes] = 0
-            for k in range(w):  # costs; the paths from the left, from above and from the upper right
-                below = ((y + U(arms[3, y, k]) + ONE) % RING * w + k) * lanes
-                beyond = ((y - U(arms[2, y, k])) % RING * w + k) * lanes
-                at, j, slot = k * lanes, ahead - k, k * stride + GUARD
-                _mean_costs(flat_sums, below, beyond, reciprocals[y, k], costs, at, lanes)
-                before, here = here, GUARD + stride if here == GUARD else GUARD
-                row = U(edges_left[0, y, k]) * width + j
-                low = _step(side, before, low, costs, at, small, large, row, side, here, lanes)
-                row = (U(2) + U(edges_left[1, y, k])) * width + j
-                up = h - ONE - y + k
-                into = up * stride + GUARD
-                low_above[up] = _step(above, into + stride, low_above[up + ONE], costs, at, small, large, row, above,
-                                      into, lanes)  # fmt: skip
-                row = (U(6) + U(edges_left[3, y, k])) * width + j
-                low_right[k] = _step(upper_right, slot + stride, low_right[k + ONE], costs, at, small, large, row,
-                                     upper_right, slot, lanes)  # fmt: skip
-                _sum_three(side, here, above, into, upper_right, slot, totals, slot, lanes)
-
-            here, low = GUARD, I16(0)
-            side[GUARD : GUARD + lanes] = 0
-            for back in range(w):  # the paths from the right and from the upper left; winners
-                k = w - ONE - back
-                at, j, slot = k * lanes, ahead - k, k * stride + GUARD
-                before, here = here, GUARD + stride if here == GUARD else GUARD
-                row = U(0)  # the first column from the right has no predecessor, so no penalty matters
-                if back > 0:
-                    row = U(edges_left[0, y, k + ONE]) * width + j - ONE
-                low = _step(side, before, low, costs, at, small, large, row, side, here, lanes)
-                row = (U(4) + U(edges_left[2, y, k])) * width + j
-                low_left[k + ONE] = _step(upper_left, slot, low_left[k], costs, at, small, large, row, upper_left,
-                                          slot + stride, lanes)  # fmt: skip
-                last = I16(right_width - ONE - ahead + k)
-                n = min(wanted, I16(last + 1))
-                lowest = _complete(side, here, upper_left, slot + stride, totals, slot, lane, n, lanes)
-                if n > 0:
-                    best = _winner(totals, slot, lane, lowest, lanes)
-                    second = _second_peak(totals, slot, lane, best, n, lanes)
-                    _note(totals, slot, costs, at, lowest, best, second, min(last, I16(lanes - ONE)), found, y, k)
-                _offer_to_right(totals, slot, lane, wanted, right_lowest, right_best, j, lanes)
+            _backward(y, w, width, right_width, ahead, edges_left, costs, small, large, side, upper_left, low_left,
+                      totals, lane, wanted, right_lowest, right_best, found, stride, lanes)  # fmt: skip
             for j in range(right_width):
                 _note_right(totals, stride, ahead, right_lowest[j], right_best[j], w, wanted, found_right, y, j)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from render.d4_decision import select, with_support
+from render.d4_decision import fit_surfaces, select, with_support
 from render.d4_matcher import D4Matcher, gather
 from render.d4_settings import PROTOTYPE, D4Settings
 from render.matcher import Window
@@ -14,6 +14,8 @@ from tests.render.stereo_pairs import warped_pair
 
 STEP = 1 / 32
 """Disparity step of the chip and of the matcher [px]."""
+N = 126
+"""Disparities searched: the chip's, so that one kernel serves all tests."""
 
 
 def stepped_pair(h: int, w: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -38,8 +40,8 @@ def test_streaming_equals_whole_volumes(settings):
     neighbour count, which is checked on its own.
     """
     left, right = stepped_pair(48, 96, seed=1)
-    reference = match_reference(left, right, 32, settings)
-    found = select(gather(left, right, 0, 32, settings), 32, settings) * STEP
+    reference = match_reference(left, right, N, settings)
+    found = select(gather(left, right, 0, N, settings), N, settings) * STEP
     holes, reference_holes = found == 0, reference == 0
     assert 0.1 < reference_holes.mean() < 0.9
     assert np.sum(holes & reference_holes) / np.sum(holes | reference_holes) >= 0.97
@@ -59,6 +61,34 @@ def test_neighbour_count_equals_brute_force(seed):
         agreeing = np.sum((window > 0) & (np.abs(window - int(disparity[y, x])) <= 32)) - 1
         expected[y, x] = disparity[y, x] if agreeing >= 7 else 0
     np.testing.assert_array_equal(with_support(disparity, settings), expected)
+
+
+def test_surface_fit_equals_brute_force():
+    """Costs of neighbours that won within one lane are summed at equal disparity, in float and with loops."""
+    left, right = stepped_pair(40, 90, seed=2)
+    settings = D4Settings()
+    evidence = gather(left, right, 0, N, settings)
+    found = select(evidence, N, settings)
+    planes, best = evidence.left[4:9].astype(float), evidence.left[0].astype(int)
+    complete = (found > 0) & np.all(planes < 32767, axis=0)
+
+    def surface_costs(y: int, x: int, lane: int) -> np.ndarray:
+        sums = np.zeros(3)
+        for v in range(max(y - 2, 0), min(y + 3, 40)):
+            for u in range(max(x - 2, 0), min(x + 3, 90)):
+                offset = lane - best[v, u]
+                if complete[v, u] and abs(offset) <= 1:
+                    sums += planes[1 + offset : 4 + offset, v, u]
+        return sums
+
+    fitted = fit_surfaces(evidence, found, settings)
+    np.testing.assert_array_equal(fitted[~complete], found[~complete])
+    for y, x in np.argwhere(complete)[::7]:
+        lane = best[y, x] + (1, 0, 2)[int(np.argmin(surface_costs(y, x, best[y, x])[[1, 0, 2]]))] - 1
+        below, centre, above = surface_costs(y, x, lane)
+        rises = below - centre, above - centre
+        fraction = (below - above) / (2 * max(rises)) if min(rises) >= 0 else -0.5 if below < above else 0.5
+        assert abs(fitted[y, x] * STEP - (lane + fraction)) <= STEP / 2 + 1e-4
 
 
 @pytest.mark.parametrize("shift", [5.0, 20.25, 60.5, 100.75])
@@ -119,21 +149,21 @@ def test_range_is_respected():
     """Only min .. min + n - 1 is searched; true disparities outside it are not found, those inside as ever."""
     columns = np.mgrid[:80, :400][1]
     left, right = warped_pair(np.where(columns < 200, 12.5, 40.25), seed=5)
-    found = D4Matcher().match(left, right, None, 20, 32)
-    assert np.all((found == 0) | ((found >= 20.5) & (found <= 50.5)))
+    found = D4Matcher().match(left, right, None, 20, 100)
+    assert np.all((found == 0) | ((found >= 20.5) & (found <= 118.5)))
     assert np.mean(np.abs(found[8:-8, 260:-20] - 40.25) < 0.25) > 0.99
     assert np.mean(found[:, 60:180] > 0) < 0.2
-    np.testing.assert_array_equal(found, D4Matcher(shift=20).match(left, right, None, 0, 32))
+    np.testing.assert_array_equal(found, D4Matcher(shift=20).match(left, right, None, 0, 100))
 
 
 def test_burst_equals_single_frames():
     """Frames of a burst are matched on several threads and must not influence each other; repeats give equal bytes."""
     pairs = [stepped_pair(60, 160, seed) for seed in range(5)]
     lefts, rights = (np.stack(images) for images in zip(*pairs, strict=True))
-    burst = D4Matcher().match_burst(lefts, rights, None, 0, 32)
-    np.testing.assert_array_equal(burst, D4Matcher().match_burst(lefts, rights, None, 0, 32))
+    burst = D4Matcher().match_burst(lefts, rights)
+    np.testing.assert_array_equal(burst, D4Matcher().match_burst(lefts, rights))
     for frame, (left, right) in zip(burst, pairs, strict=True):
-        np.testing.assert_array_equal(frame, D4Matcher().match(left, right, None, 0, 32))
+        np.testing.assert_array_equal(frame, D4Matcher().match(left, right))
 
 
 def test_upside_down_pair_gives_other_holes():
