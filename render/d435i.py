@@ -22,8 +22,9 @@ from render.matcher import StereoMatcher, Window
 from render.matchers import matcher_by_name
 from render.mitsuba_scene import load_scene
 from render.projector_light import ProjectorLight
-from render.radiance import RadianceLayers, Sampling, render_layers
+from render.radiance import RadianceLayers, render_stereo
 from render.rig import Rig, d435i_rig
+from render.sampling import Sampling
 from render.truth import Truth, measure_truth
 from scenes.scene import Scene
 
@@ -126,8 +127,7 @@ class SimulatedD435i:
         """Radiance at the left and the right imager for the reference laser power."""
         light = self.projector_light(T_world_cam)
         poses = (T_world_cam, self.rig.right_imager(T_world_cam))
-        left, right = (render_layers(self.world, light, self.rig.intrinsics, pose, self._sampling) for pose in poses)
-        return left, right
+        return render_stereo(self.world, light, self.rig.intrinsics, poses, self._sampling)
 
     def measure(self, T_world_cam: RigidTransform, n_frames: int) -> Measurement:
         """Render the pose once, then expose, match and decimate `n_frames` noisy pairs."""

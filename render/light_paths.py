@@ -14,56 +14,27 @@ Left out: light that metal throws onto a Lambertian surface (caustics). Paths fr
 what they find of it is blotches.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import RigidTransform
-from scipy.stats import qmc
 
 from franbv.frames import Intrinsics
 from render import backend
 from render.mitsuba_scene import FIRST_LAMP, LoadedScene
 from render.projector_light import ProjectorLight
+from render.sampling import DIMENSIONS_PIXEL, DIMENSIONS_VERTEX, SampleSet
 
-DIMENSIONS_PIXEL = 2
-"""Sample dimensions: position in the pixel."""
-DIMENSIONS_VERTEX = 6
-"""Sample dimensions per vertex: BSDF direction (2), point on lamps (2), BSDF component, lamp. The direction comes
-first, since a Sobol' set is most even in its first dimensions."""
 FOOTPRINT_SIGMA = 0.5
 """Blur of the dots behind a glossy vertex, in units of the distance between samples (choice: the usual width of a
 Gaussian reconstruction filter)."""
 
 
-@dataclass(frozen=True, eq=False)
-class SampleSet:
-    """A scrambled Sobol' set that every pixel shares, or that every pixel shifts at random (`rotated`)."""
-
-    n: int
-    """Samples per pixel, a power of two."""
-    table: Any
-    dimensions: int
-    rotated: bool
-
-    @classmethod
-    def sobol(cls, n: int, max_depth: int, rotated: bool = False, seed: int = 0) -> "SampleSet":
-        """n points for paths of up to `max_depth` vertices; `seed` picks the scrambling."""
-        mi = backend.mitsuba()
-        dimensions = DIMENSIONS_PIXEL + DIMENSIONS_VERTEX * (max_depth + 1)
-        points = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(seed)).random(n)
-        return cls(n, mi.Float(np.clip(points, 0, 1 - 1e-6).astype(np.float32).ravel()), dimensions, rotated)
-
-    def uniform(self, sample: Any, pixel: Any, dimension: Any, active: Any = True) -> Any:
-        """Coordinate `dimension` of the sample, in [0, 1)."""
-        mi = backend.mitsuba()
-        import drjit as dr
-
-        value = dr.gather(mi.Float, self.table, sample * self.dimensions + dimension, active)
-        if self.rotated:
-            value += mi.sample_tea_float32(pixel, dimension + 1)
-            value -= dr.floor(value)
-        return dr.minimum(value, np.float32(1 - 6e-8))
+SmoothRadiance = Callable[[Any, Any, Any, Any], tuple[Any, Any]]
+"""Of interactions, rays, bodies and which are asked: where it is known, and there the radiance in the projector's and
+in the ambient layer (Vector2f) [W m^-2 sr^-1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +68,15 @@ class Imager:
         fx, fy, cx, cy = self.calibration
         return mi.Ray3f(self.origin, dr.normalize(self.rotation @ mi.Vector3f((u - cx) / fx, (v - cy) / fy, 1)))
 
+    def project(self, p: Any) -> tuple[Any, Any, Any]:
+        """Pixel coordinates (u, v) and Z-depth [m] of world points; (u, v) mean nothing where the depth is not > 0."""
+        import drjit as dr
+
+        fx, fy, cx, cy = self.calibration
+        local = self.rotation.T @ (p - self.origin)
+        scale = dr.rcp(dr.select(local.z > 0, local.z, 1))
+        return fx * local.x * scale + cx, fy * local.y * scale + cy, local.z
+
 
 def trace_paths(
     world: LoadedScene,
@@ -110,6 +90,7 @@ def trace_paths(
     first_vertex: int = 0,
     filtered: bool = True,
     projector_shadows: bool = True,
+    smooth: SmoothRadiance | None = None,
 ) -> tuple[Any, Any]:
     """Radiance along `ray` from the projector and from the lamps [W m^-2 sr^-1], one value a path.
 
@@ -117,6 +98,8 @@ def trace_paths(
     the path's earlier vertices are the caller's and Lambertian: then lamps met directly count nothing (the caller
     connected them) and dots are looked up with the footprint of a cosine lobe's sample.
     projector_shadows: whether anything stands in the projector's light.
+    smooth: what is known already of the light that Lambertian surfaces send out, the dots' own light left out. A path
+    that meets such a place takes it from there and ends.
     """
     mi = backend.mitsuba()
     import drjit as dr
@@ -132,6 +115,11 @@ def trace_paths(
         glossy, albedo = world.is_glossy(body), dr.gather(mi.Float, world.albedo_of_body, body, active)
         scattering = hit & (i < max_depth) & (body < FIRST_LAMP)
         connected = scattering & ~(diffused & glossy)
+        known = mi.Bool(False)
+        if smooth is not None:
+            known, reflected = smooth(si, ray, body, scattering & ~glossy)
+            from_projector += dr.select(known, beta * reflected.x, 0)
+            from_lamps += dr.select(known, beta * reflected.y, 0)
 
         # Where light may come from: the projector, one point on each lamp.
         dimension = DIMENSIONS_PIXEL + DIMENSIONS_VERTEX * i
@@ -142,7 +130,7 @@ def trace_paths(
         links = [lamp.connection(si.p, u[2], u[3]) for lamp in world.lamps]
         directions = [si.to_local(towards), *(si.to_local(direction) for _, direction, _ in links)]
         values, onwards, bsdf_pdf, weight = _scatter(
-            si, directions, u[4], mi.Point2f(u[0], u[1]), connected, scattering, albedo
+            si, directions, u[4], mi.Point2f(u[0], u[1]), connected, scattering & ~known, albedo
         )
 
         footprint = _footprint(si, ray, towards, distance2, spread) if filtered else mi.Float(0)
@@ -156,7 +144,7 @@ def trace_paths(
         from_projector += dr.select(lit, beta * f_cos * irradiance, 0)
 
         place, arriving = _chosen_lamp(world, links, values[1:], glossy, u[5])
-        lit = connected & (arriving > 0)
+        lit = connected & ~known & (arriving > 0)
         lit &= ~scene.ray_test(si.spawn_ray_to(place), coherent=i == 0, active=lit)
         from_lamps += dr.select(lit, beta * arriving, 0)
 
@@ -165,7 +153,7 @@ def trace_paths(
         diffused |= ~glossy
         # After the last vertex a path may still meet what was not connected: a lamp seen in metal, the surroundings.
         useful = (i < max_depth) | ~diffused if closed else mi.Bool(True)
-        active = scattering & (bsdf_pdf > 0) & (beta > 0) & useful
+        active = scattering & ~known & (bsdf_pdf > 0) & (beta > 0) & useful
         spread = spread + dr.rcp(samples.n * dr.maximum(bsdf_pdf, 1e-6))
         return (
             si.spawn_ray(si.to_world(onwards)), from_projector, from_lamps, beta, active, i,

@@ -8,7 +8,7 @@ from typing import no_type_check
 
 import numba
 import numpy as np
-from jaxtyping import Float32, UInt8
+from jaxtyping import Float32, Int, UInt8
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
@@ -38,6 +38,15 @@ class SurfaceMap:
         window = np.s_[stride // 2 :: stride, stride // 2 :: stride]
         return SurfaceMap(self.body[window], self.position[window], self.normal[window])
 
+    def points(self, numbers: Int[np.ndarray, "p"]) -> "SurfaceMap":
+        """The points of these numbers in reading order, as a map of one row."""
+        body, position, normal = (
+            self.body.reshape(1, -1),
+            self.position.reshape(1, -1, 3),
+            self.normal.reshape(1, -1, 3),
+        )
+        return SurfaceMap(body[:, numbers], position[:, numbers], normal[:, numbers])
+
     def interpolated(
         self, values: Float32[np.ndarray, "c H W"], fine: "SurfaceMap", stride: int
     ) -> Float32[np.ndarray, "c h w"]:
@@ -58,32 +67,36 @@ class SurfaceMap:
 def _interpolate(values, body, position, normal, fine_body, fine_position, fine_normal, stride, out):
     channels, rows, columns = values.shape
     height, width = fine_body.shape
+    one, cosine_least = np.float32(1), np.float32(SAME_SURFACE_COSINE)
     for v in range(height):
         y = (v - stride // 2) / stride
         y0 = min(max(int(np.floor(y)), 0), max(rows - 2, 0))
-        fy = min(max(y - y0, 0.0), 1.0)
+        fy = np.float32(min(max(y - y0, 0.0), 1.0))
         for u in range(width):
             x = (u - stride // 2) / stride
             x0 = min(max(int(np.floor(x)), 0), max(columns - 2, 0))
-            fx = min(max(x - x0, 0.0), 1.0)
-            total = 0.0
-            for k in range(4):
-                j, i = min(y0 + k // 2, rows - 1), min(x0 + k % 2, columns - 1)
-                weight = (fy if k // 2 else 1.0 - fy) * (fx if k % 2 else 1.0 - fx)
-                likeness = 1e-6
-                if body[j, i] == fine_body[v, u]:
-                    cosine = offset = 0.0
-                    for a in range(3):
-                        cosine += normal[j, i, a] * fine_normal[v, u, a]
-                        offset += (position[j, i, a] - fine_position[v, u, a]) * fine_normal[v, u, a]
-                    same = cosine > SAME_SURFACE_COSINE and abs(offset) < SAME_SURFACE_OFFSET
-                    likeness = 1.0 if same else 1e-3
-                weight *= likeness
-                total += weight
-                for c in range(channels):
-                    out[c, v, u] += weight * values[c, j, i]
+            fx = np.float32(min(max(x - x0, 0.0), 1.0))
+            p0, p1, p2 = fine_position[v, u, 0], fine_position[v, u, 1], fine_position[v, u, 2]
+            n0, n1, n2 = fine_normal[v, u, 0], fine_normal[v, u, 1], fine_normal[v, u, 2]
+            total = np.float32(1e-12)
+            for down in range(2):
+                j = min(y0 + down, rows - 1)
+                for right in range(2):
+                    i = min(x0 + right, columns - 1)
+                    weight = (fy if down else one - fy) * (fx if right else one - fx)
+                    if body[j, i] == fine_body[v, u]:
+                        cosine = normal[j, i, 0] * n0 + normal[j, i, 1] * n1 + normal[j, i, 2] * n2
+                        offset = (position[j, i, 0] - p0) * n0 + (position[j, i, 1] - p1) * n1
+                        offset += (position[j, i, 2] - p2) * n2
+                        same = cosine > cosine_least and abs(offset) < SAME_SURFACE_OFFSET
+                        weight *= one if same else np.float32(1e-3)
+                    else:
+                        weight *= np.float32(1e-6)
+                    total += weight
+                    for c in range(channels):
+                        out[c, v, u] += weight * values[c, j, i]
             for c in range(channels):
-                out[c, v, u] /= max(total, 1e-12)
+                out[c, v, u] /= total
 
 
 def surface_map(world: LoadedScene, intrinsics: Intrinsics, T_world_imager: RigidTransform) -> SurfaceMap:

@@ -18,7 +18,7 @@ from franbv.parameters import Parameters
 from materials.catalog import material
 from materials.material import Matte
 from render.d435i import SensorSettings, SimulatedD435i
-from render.radiance import Sampling
+from render.sampling import Sampling
 from scenes.build import COUPONS, coupon_scene, part_scene
 from scenes.coupons import plate_centre_height
 from scenes.part_materials import PartMaterials

@@ -13,7 +13,8 @@ from render.d435i import SimulatedD435i
 from render.exposure import mean_electrons, mean_grey
 from render.imager_settings import WHITE_LEVEL
 from render.matcher import Window
-from render.radiance import RadianceLayers, Sampling, render_layers
+from render.radiance import RadianceLayers, render_layers
+from render.sampling import Sampling
 from scenes.build import part_scene
 from tests.benchmarks.stopwatch import Stopwatch
 

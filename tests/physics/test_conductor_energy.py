@@ -6,7 +6,7 @@ import pytest
 from materials.material import Matte, RoughConductor
 from render import backend
 from render.bsdf import bsdf_description
-from render.radiance import Sampling
+from render.sampling import Sampling
 from scenes.scene import Scene
 from tests.physics.simple_scenes import wall
 from tests.physics.test_radiance_laws import layers_of

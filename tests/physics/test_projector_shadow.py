@@ -6,8 +6,8 @@ import pytest
 from materials.material import Matte
 from render.d435i import SensorSettings, SimulatedD435i
 from render.dot_pattern import HALF_FIELD
-from render.radiance import Sampling
 from render.rig import BASELINE, PROJECTOR_OFFSET
+from render.sampling import Sampling
 from scenes.scene import Body, Scene
 from tests.physics.simple_scenes import facing_x, rectangle, wall
 

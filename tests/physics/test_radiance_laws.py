@@ -7,8 +7,9 @@ from materials.material import Matte, RoughConductor
 from render.dot_pattern import d435_pattern
 from render.mitsuba_scene import load_scene
 from render.projector_light import ProjectorLight
-from render.radiance import Sampling, render_layers
+from render.radiance import render_layers
 from render.rig import d435i_rig
+from render.sampling import Sampling
 from scenes.scene import Body, Scene
 from tests.physics.simple_scenes import facing_x, lamp_at, rectangle, wall
 
