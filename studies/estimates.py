@@ -39,7 +39,7 @@ def mean_share(shares: Sequence[float]) -> Estimate:
     return Estimate(mean, max(mean - half, 0.0), min(mean + half, 1.0), len(values))
 
 
-def pooled(parts: Iterable[int | None], wholes: Iterable[int | None]) -> float | None:
+def pooled(parts: Iterable[float | None], wholes: Iterable[float | None]) -> float | None:
     """Sum of the parts over sum of the wholes; None where there is nothing to have a share of."""
     whole = sum(n or 0 for n in wholes)
     return sum(n or 0 for n in parts) / whole if whole else None

@@ -12,6 +12,7 @@ from studies.command_line import parse
 from studies.console import say_json, warn
 from studies.sensitivity_cases import CaseConfig, sweep_cases
 from studies.sensitivity_measurement import CASES, TWINS, CaseTask, TwinTask, do_case, do_twin
+from studies.sensitivity_plan import write_plan
 from studies.sensitivity_preset import load_preset
 from studies.sensitivity_tables import gather, summary, write_tables
 from studies.workers import Failure, Job, limit_renderer, run_jobs, worker_count
@@ -42,10 +43,11 @@ def run(args: list[str]) -> int:
     wanted = sweep_cases(preset)
     workers = worker_count(command.workers)
     prepare_output(command.out)
+    plan = write_plan(command.out, preset, wanted)
     failures = measure(command.out, [case.config for case in wanted], workers)
     for failure in failures:
         warn(f"{PROGRAM}: {failure.name}: {failure.reason}")
-    tables = gather(command.out, wanted)
+    tables = gather(command.out, plan.cases)
     write_tables(command.out, tables)
     figures = {**summary(tables), "failed": len(failures), "wall_s": time.perf_counter() - began}
     if command.json:

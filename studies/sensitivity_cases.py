@@ -88,6 +88,8 @@ class CaseConfig(Look):
     other_paths: int
     recovery: bool
     """Whether regions are recovered."""
+    hemisphere_poses: int
+    """Poses that are tried to learn what was possible."""
     parameters: Parameters
 
     @property
@@ -136,6 +138,7 @@ def _cases(preset: Preset, sweep: Sweep) -> Iterator[CaseConfig]:
             glossy_paths=preset.glossy_paths,
             other_paths=preset.other_paths,
             recovery=sweep.recovery,
+            hemisphere_poses=sweep.hemisphere_poses,
             parameters=preset.parameters.model_copy(update={"n_frames": preset.n_frames}),
         )
 

@@ -65,17 +65,28 @@ DETECTION_COLUMNS = (
         )
     ),
     Column("hidden_holes", pa.int32(), "Full-resolution reflective holes in decimated pixels with depth [px]"),
+    Column("holes_made_false", pa.int32(), "Full-resolution reflective holes in decimated pixels of false depth [px]"),
     Column("fine_holes", pa.int32(), "Full-resolution reflective holes [px]"),
+    Column("hidden_false", pa.int32(), "Full-resolution depths, false by reflection, in decimated pixels that are not "
+           "false [px]"),
+    Column("fine_false", pa.int32(), "Full-resolution depths that are false by reflection [px]"),
     Column("regions", pa.int32(), "Regions found [-]"),
+    Column("region_mm2", pa.float64(), "True surface inside the regions' boxes [mm^2]"),
+    Column("region_missing_mm2", pa.float64(), "Of it: of the missing patch that each box overlaps best [mm^2]"),
+    Column("patch_mm2", pa.float64(), "True surface of all missing patches [mm^2]"),
+    Column("patch_found_mm2", pa.float64(), "Of it: in any box [mm^2]"),
+    Column("region_iou", pa.float64(), "Surface in the largest region and its best patch over that in either [-]"),
     Column("in_front_mm", pa.float64(), "Distance of the largest region's points before the true surface [mm]"),
 )  # fmt: skip
 
 RECOVERY_COLUMNS = (
     Column("recovery_views", pa.int32(), "Diamond poses taken for the largest region; empty if not measured [-]"),
     Column("pb_views", pa.int32(), "Views of PB-NBV taken in their place [-]"),
+    Column("hemisphere_views", pa.int32(), "Poses of a hemisphere tried to learn what was possible [-]"),
     Column("missing_mm2", pa.float64(), "True surface that the region signals and no point covers [mm^2]"),
     Column("regained_mm2", pa.float64(), "Of it: covered after the diamond poses [mm^2]"),
     Column("pb_regained_mm2", pa.float64(), "Of it: covered after the views of PB-NBV [mm^2]"),
+    Column("best_regained_mm2", pa.float64(), "Of it: covered by the best single pose of the hemisphere [mm^2]"),
 )
 
 VIEW_COLUMNS = (
@@ -105,7 +116,7 @@ INCIDENCE_COLUMNS = (
 
 RECOVERY_VIEW_COLUMNS = (
     *KEYS,
-    Column("kind", pa.string(), "diamond or pb"),
+    Column("kind", pa.string(), "diamond, pb, or best = the one of the hemisphere that regains most"),
     Column("number", pa.int32(), "Of the view, from 0 [-]"),
     Column("regained_share", pa.float64(), "Share of the missing surface that this view alone covers [-]"),
     Column("incidence_before_deg", pa.float64(), "Mean angle of incidence on it in the view that saw the hole [deg]"),

@@ -61,7 +61,7 @@ def measured(config: CaseConfig, twins: Path) -> dict[str, list[dict[str, Any]]]
             planned = first_look(view.measurement.burst, config.parameters, config.seed)
             row |= detection_counts(view, planned)
             if config.recovery:
-                summary, takes = recovery_rows(view, planned, config.parameters, config.seed, config.other_paths)
+                summary, takes = recovery_rows(view, planned, config)
                 row |= summary
                 tables["recovery_views"] += [keys | take for take in takes]
         tables["views"].append(row)

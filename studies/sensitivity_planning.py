@@ -21,12 +21,15 @@ from render.arm import SimulatedArm
 from studies.detection_scores import GROUPED, LOCATED, score_detection
 from studies.images import MM
 from studies.missing_surface import Surface, block_pixels, missing_patches, visible_surface
-from studies.recovery_scores import State, Views, burst_points, score_recovery, still_missing
-from studies.sensitivity_cases import plain_paths
+from studies.recovery_scores import RecoveryScore, State, Views, burst_points, score_recovery, still_missing
+from studies.sensitivity_cases import CaseConfig, plain_paths
 from studies.sensitivity_columns import STAGES
 from studies.sensitivity_counts import part_pixels
 from studies.sensitivity_views import LabelledView
 
+SCOUT_SAMPLING: dict[str, Any] = plain_paths(8) | {"lamp_points": 4, "indirect_directions": 32}
+"""Of the camera that looks from the poses of a hemisphere (choice: half the time of the other views; whichever poses
+look best are measured again)."""
 STAGE_NAMES = dict(zip(STAGES, (*STAGES[:3], LOCATED, GROUPED), strict=True))
 """Steps of the detector by the names of the columns, and by those of the scores."""
 
@@ -56,20 +59,28 @@ def detection_counts(view: LabelledView, planned: Planned) -> dict[str, Any]:
     pose = view.measurement.T_world_cam
     scores = score_detection(view.camera, pose, view.truth, view.labels, planned.detection)
     stages = {column: scores.stages[name] for column, name in STAGE_NAMES.items()}
-    holes = scores.hidden.reflective_holes
+    holes, false = scores.hidden.reflective_holes, scores.hidden.false_depths
     return {
         "reflective": stages["grouped"].n_true,
         **{f"found_{column}": score.n_found for column, score in stages.items()},
         **{f"right_{column}": score.n_both for column, score in stages.items()},
         "hidden_holes": holes.total - holes.hole,
+        "holes_made_false": holes.false_depth,
         "fine_holes": holes.total,
+        "hidden_false": false.total - false.false_depth,
+        "fine_false": false.total,
         "regions": len(scores.regions),
+        "region_mm2": MM**2 * sum(region.found_area for region in scores.regions),
+        "region_missing_mm2": MM**2 * sum(region.both_area for region in scores.regions),
+        "patch_mm2": MM**2 * sum(patch.area for patch in scores.patches),
+        "patch_found_mm2": MM**2 * sum(patch.area * patch.found_share for patch in scores.patches),
+        "region_iou": scores.regions[0].iou if scores.regions else None,
         "in_front_mm": MM * scores.regions[0].in_front if scores.regions else None,
     }
 
 
 def recovery_rows(
-    view: LabelledView, planned: Planned, parameters: Parameters, seed: int, paths: int
+    view: LabelledView, planned: Planned, config: CaseConfig
 ) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """What the recovery of the largest region regains: the view's columns, and a row per recovery view.
 
@@ -78,17 +89,20 @@ def recovery_rows(
     missing = signalled_surface(view, planned.detection)
     if missing is None or missing.area == 0:
         return {}, []
-    pose = view.measurement.T_world_cam
-    camera, arm = view.camera.changed(**plain_paths(paths)), SimulatedArm.around(view.camera.world.source.part_mesh())
+    pose, parameters = view.measurement.T_world_cam, config.parameters
+    camera = view.camera.changed(**plain_paths(config.other_paths))
+    scout, arm = camera.changed(**SCOUT_SAMPLING), SimulatedArm.around(camera.world.source.part_mesh())
     planner = fra()
     assert planner.recovery is not None
     region = planned.detection.boxes[0]
     recovery = planner.recovery.poses(region, pose, parameters, arm.reachable, camera.min_z)
     state = State(planned.model, pose, missing)
     with threadpool_limits(1):
-        score = score_recovery(state, recovery, camera, arm, parameters, seed, n_poses=0)
-    takes = [*_views("diamond", score.diamond), *_views("pb", score.pb)]
-    return _summary(score.missing_area, score.diamond, score.pb), takes
+        score = score_recovery(
+            state, recovery, camera, arm, parameters, config.seed, scout, n_poses=config.hemisphere_poses
+        )
+    takes = [*_views("diamond", score.diamond), *_views("pb", score.pb), *_views("best", score.best)]
+    return _summary(score), takes
 
 
 def signalled_surface(view: LabelledView, detection: Detection) -> Surface | None:
@@ -109,14 +123,16 @@ def signalled_surface(view: LabelledView, detection: Detection) -> Surface | Non
     return still_missing(surface, burst_points(view.measurement.burst))
 
 
-def _summary(area: float, diamond: Views, pb: Views) -> dict[str, Any]:
-    mm2 = MM**2 * area
+def _summary(score: RecoveryScore) -> dict[str, Any]:
+    mm2 = MM**2 * score.missing_area
     return {
-        "recovery_views": len(diamond.gains),
-        "pb_views": len(pb.gains),
+        "recovery_views": len(score.diamond.gains),
+        "pb_views": len(score.pb.gains),
+        "hemisphere_views": score.n_tried or None,
         "missing_mm2": mm2,
-        "regained_mm2": mm2 * float(np.nan_to_num(diamond.regained)),  # no pose, nothing regained
-        "pb_regained_mm2": mm2 * float(np.nan_to_num(pb.regained)),
+        "regained_mm2": mm2 * float(np.nan_to_num(score.diamond.regained)),  # no pose, nothing regained
+        "pb_regained_mm2": mm2 * float(np.nan_to_num(score.pb.regained)),
+        "best_regained_mm2": mm2 * score.best.regained if score.n_tried else None,
     }
 
 

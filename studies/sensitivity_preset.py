@@ -71,6 +71,9 @@ class Sweep(Config):
     """Each turns the camera to another azimuth and draws other noise."""
     recovery: bool = False
     """Whether the recovery of detected regions is measured, which takes many more views."""
+    hemisphere_poses: Annotated[int, Field(ge=0)] = 0
+    """Poses around each recovered region that are tried to learn what was possible; 0 = none. 200 of them take two
+    minutes of a processor a case."""
 
     @model_validator(mode="after")
     def _known(self) -> "Sweep":
@@ -82,6 +85,8 @@ class Sweep(Config):
             raise ValueError(f"sweep {self.name}: metals need finishes or alphas")
         if not self.specs():
             raise ValueError(f"sweep {self.name}: lists no materials; give metals with finishes, or materials")
+        if self.hemisphere_poses and not self.recovery:
+            raise ValueError(f"sweep {self.name}: hemisphere_poses are tried for a recovery; give recovery: true")
         if OWN in self.materials and not set(self.subjects) <= set(PART_NAMES):
             raise ValueError(f"sweep {self.name}: `{OWN}` is for parts; name a material for coupons")
         return self

@@ -8,7 +8,7 @@ from studies.estimates import pooled
 from studies.sensitivity_columns import FALSE_DEPTHS, cause_column
 
 Row = Mapping[str, Any]
-Counted = Callable[[Row], int | None]
+Counted = Callable[[Row], float | None]
 
 
 def holes(row: Row) -> int:
@@ -30,6 +30,11 @@ def of_cause(group: str) -> Counted:
 def reflection_holes(row: Row) -> int:
     """Pixels of the part that reflection has cost."""
     return sum(row[cause_column(cause)] for cause in members("reflection"))
+
+
+def false_by_reflection(row: Row) -> int:
+    """Pixels of the part whose depth is false, and right on the matte twin."""
+    return row[cause_column(Cause.FALSE_DEPTH_REFLECTION)]
 
 
 def part_pixels(row: Row) -> int:
@@ -56,3 +61,13 @@ def leading_kind(rows: Sequence[Row]) -> tuple[Cause, float] | None:
 def cause_shares(rows: Sequence[Row]) -> dict[str, float | None]:
     """Share of every group of causes in the missing pixels of the part."""
     return {group: share(rows, of_cause(group), holes) for group in GROUPS}
+
+
+def column_sum(rows: Iterable[Row], column: str) -> float:
+    """Sum of a column; empty cells count nothing."""
+    return sum(row[column] or 0 for row in rows)
+
+
+def column_share(rows: Iterable[Row], part: str, whole: str) -> float | None:
+    """Sum of one column over that of another; None where that is nothing."""
+    return share(rows, lambda row: row[part], lambda row: row[whole])

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from studies.cases import finished_case
-from studies.sensitivity_cases import SweepCase
 from studies.sensitivity_columns import INCIDENCE_COLUMNS, RECOVERY_VIEW_COLUMNS, VIEW_COLUMNS
 from studies.sensitivity_measurement import CASES, RESULT
-from studies.sensitivity_shares import Row, false_depth, holes, part_pixels, share
+from studies.sensitivity_rules import pb_regained, precision, recall, regained
+from studies.sensitivity_shares import Row, column_share, false_depth, holes, part_pixels, share
 from studies.study_table import Column, write_rows
 
 TABLES: Mapping[str, Sequence[Column]] = {
@@ -34,15 +34,16 @@ class Tables:
         return getattr(self, name)
 
 
-def gather(out: Path, wanted: Iterable[SweepCase]) -> Tables:
-    """Read the results of those wanted cases that are finished."""
+def gather(out: Path, cases: Iterable[tuple[str, str]]) -> Tables:
+    """Read the results of those cases, given by sweep and folder, that are finished."""
     rows: dict[str, list[Row]] = {name: [] for name in TABLES}
-    for case in wanted:
-        folder = finished_case(out / CASES, case.config.digest)
+    for sweep, digest in cases:
+        folder = finished_case(out / CASES, digest)
         if folder is not None:
             result = json.loads((folder / RESULT).read_text(encoding="utf-8"))
-            for name in TABLES:
-                rows[name] += [{"sweep": case.sweep, **row} for row in result[name]]
+            for name, columns in TABLES.items():
+                names = [column.name for column in columns]
+                rows[name] += [{key: row.get(key) for key in names} | {"sweep": sweep} for row in result[name]]
     return Tables(**rows)
 
 
@@ -63,11 +64,11 @@ def summary(tables: Tables) -> dict[str, Any]:
     main = [row for row in once if row["main_light"]]
     return {
         "cases": len(main),
-        "unexplained_share": share(once, lambda row: row["window_unexplained"], lambda row: row["window_holes"]),
+        "unexplained_share": column_share(once, "window_unexplained", "window_holes"),
         "hole_share": share(main, holes, part_pixels),
         "false_depth_share": share(main, false_depth, part_pixels),
-        "detection_precision": share(main, lambda row: row["right_grouped"], lambda row: row["found_grouped"]),
-        "detection_recall": share(main, lambda row: row["right_grouped"], lambda row: row["reflective"]),
-        "recovered_share": share(main, lambda row: row.get("regained_mm2"), lambda row: row.get("missing_mm2")),
-        "pb_recovered_share": share(main, lambda row: row.get("pb_regained_mm2"), lambda row: row.get("missing_mm2")),
+        "detection_precision": precision(main),
+        "detection_recall": recall(main),
+        "recovered_share": regained(main),
+        "pb_recovered_share": pb_regained(main),
     }
