@@ -16,25 +16,29 @@ CENSUS_WORDS = 5
 
 @no_type_check
 @compiled
-def _census_words(padded, words):
+def _census_words(padded, offsets, words):
     _, h, w = words.shape
+    pitch, flat = padded.shape[1], padded.reshape(-1)
     for y in range(h):
-        bit = 0
-        for dy in range(9):
-            for dx in range(9):
-                if dy == 4 and dx == 4:
-                    continue
-                centre = padded[y + 4, 4 : 4 + w]
-                neighbour = padded[y + dy, dx : dx + w]
-                word = words[bit // 16, y]
+        centre = flat[(y + 4) * pitch + 4 : (y + 4) * pitch + 4 + w]
+        for word in range(5):
+            # Four neighbours at a time, so that the word is read and written a quarter as often.
+            for first in range(16 * word, 16 * word + 16, 4):
+                row = words[word, y]
+                a = flat[y * pitch + offsets[first] : y * pitch + offsets[first] + w]
+                b = flat[y * pitch + offsets[first + 1] : y * pitch + offsets[first + 1] + w]
+                c = flat[y * pitch + offsets[first + 2] : y * pitch + offsets[first + 2] + w]
+                d = flat[y * pitch + offsets[first + 3] : y * pitch + offsets[first + 3] + w]
                 for x in range(w):
-                    word[x] = np.uint16(word[x] << np.uint16(1)) | np.uint16(neighbour[x] > centre[x])
-                bit += 1
+                    bits = np.uint8(a[x] > centre[x]) << np.uint8(3) | np.uint8(b[x] > centre[x]) << np.uint8(2)
+                    bits |= np.uint8(c[x] > centre[x]) << np.uint8(1) | np.uint8(d[x] > centre[x])
+                    row[x] = np.uint16(row[x] << np.uint16(4)) | np.uint16(bits)
 
 
 def census(image: UInt8[np.ndarray, "h w"]) -> UInt16[np.ndarray, "5 h w"]:
     """80 bits a pixel, neighbour > centre over the 9 x 9 window row by row, edge replicated, in five words."""
     padded = np.pad(image, CENSUS_RADIUS, mode="edge")
     words = np.zeros((CENSUS_WORDS, *image.shape), np.uint16)
-    _census_words(padded, words)
+    rows, columns = np.divmod(np.delete(np.arange(81), 40), 9)
+    _census_words(padded, rows * padded.shape[1] + columns, words)
     return words
