@@ -10,10 +10,29 @@ from typing import no_type_check
 import cv2
 import numpy as np
 from jaxtyping import Int16, UInt16
+from numba import njit
 
 from render.compiled import compiled
 from render.d4_settings import PATHS, D4Settings
+from render.lane_instructions import (
+    choose,
+    is_among,
+    is_below,
+    is_equal,
+    lane_numbers,
+    load,
+    minimum,
+    minus,
+    plus,
+    spread,
+    store,
+)
 from render.matcher import SUBPIXEL_STEPS
+
+I16 = np.int16
+
+VECTOR = 32
+"""Pixels that are worked on at a time: 16-bit numbers in the widest vectors that processors have."""
 
 NO_COST = np.int16(32767)
 """Marks lanes outside the search in `Evidence`."""
@@ -49,16 +68,16 @@ def _fraction(rise_below, rise_above, parabola):
 
 @no_type_check
 @compiled
-def _cost_minimum(costs):
+def _cost_minimum(c0, c1, c2, c3, c4):
     """Minimum of the aggregated costs near the winner, relative to it [px]: V fit around the lowest of three lanes."""
-    lowest = 2
-    for d in (1, 3):
-        if costs[d] < costs[lowest]:
-            lowest = d
-    below, above = costs[lowest - 1], costs[lowest + 1]
+    lowest, below, cost, above = 2, c1, c2, c3
+    if c1 < cost:
+        lowest, below, cost, above = 1, c0, c1, c2
+    if c3 < cost:
+        lowest, below, cost, above = 3, c2, c3, c4
     if below == 32767 or above == 32767:
         return np.float32(0)
-    rise_below, rise_above = np.int32(below) - costs[lowest], np.int32(above) - costs[lowest]
+    rise_below, rise_above = np.int32(below) - cost, np.int32(above) - cost
     # Where the costs fall on beyond the neighbouring lane, the paths hold the winner back by more than a pixel.
     if rise_below < 0:
         return np.float32(lowest - 2.5)
@@ -82,51 +101,70 @@ def _select(left, right, ahead, wanted, second_peak, left_right, fit_costs, para
             if abs(seen_from_right - (best + fraction)) > left_right:
                 continue
             if fit_costs:
-                fraction = _cost_minimum(left[4:9, y, k])
+                c0, c1, c2, c3, c4 = left[4, y, k], left[5, y, k], left[6, y, k], left[7, y, k], left[8, y, k]
+                fraction = _cost_minimum(c0, c1, c2, c3, c4)
             found[y, k] = np.int16(np.floor((best + fraction) * np.float32(32) + np.float32(0.5)))
 
 
 @no_type_check
+@njit(forceinline=True)
+def _surface_costs(reference, lanes, planes, plane, at, pitch, radius):
+    """Costs of the lanes reference - 1, reference, reference + 1, summed over neighbours that won within one lane.
+
+    reference: lanes of 32 pixels. lanes[at], planes[at]: what the first of them finds at the window's upper left.
+    """
+    low, same, high = spread(I16(0), reference), spread(I16(0), reference), spread(I16(0), reference)
+    for dy in range(2 * radius + 1):
+        for dx in range(2 * radius + 1):
+            i = np.uint64(at + dy * pitch + dx)
+            offset = minus(reference, load(lanes, i, reference))
+            under, equal, over = is_equal(offset, I16(-1)), is_equal(offset, I16(0)), is_equal(offset, I16(1))
+            c0, c1 = load(planes, i, reference), load(planes, i + plane, reference)
+            c2, c3 = load(planes, i + 2 * plane, reference), load(planes, i + 3 * plane, reference)
+            c4 = load(planes, i + 4 * plane, reference)
+            low = plus(low, choose(over, c2, choose(equal, c1, choose(under, c0, I16(0)))))
+            same = plus(same, choose(over, c3, choose(equal, c2, choose(under, c1, I16(0)))))
+            high = plus(high, choose(over, c4, choose(equal, c3, choose(under, c2, I16(0)))))
+    return low, same, high
+
+
+@no_type_check
 @compiled
-def _add_surface_costs(reference, lanes, planes, radius, sums):
-    """Sum the costs of lanes reference - 1, reference, reference + 1 over the neighbours that won within one lane."""
-    h, w = reference.shape
+def _sum_surfaces(lanes, planes, radius, reference, sums):
+    """Per pixel the lane around which costs are lowest and the sums around it; images in rows of whole vectors."""
+    h, w, pitch, size = reference.shape[0], reference.shape[1], lanes.shape[1], np.uint64(reference.size)
+    flat_lanes, flat_planes, plane = lanes.reshape(-1), planes.reshape(-1), np.uint64(lanes.size)
+    flat_reference, flat_sums, like = reference.reshape(-1), sums.reshape(-1), lane_numbers(VECTOR)
     for y in range(h):
-        for yn in range(max(0, y - radius), min(h, y + radius + 1)):
-            for dx in range(-radius, radius + 1):
-                first, last = max(0, -dx), min(w, w - dx)
-                centre, other = reference[y, first:last], lanes[yn, first + dx : last + dx]
-                p0, p1 = planes[0, yn, first + dx : last + dx], planes[1, yn, first + dx : last + dx]
-                p2, p3 = planes[2, yn, first + dx : last + dx], planes[3, yn, first + dx : last + dx]
-                p4 = planes[4, yn, first + dx : last + dx]
-                low, same, high = sums[0, y, first:last], sums[1, y, first:last], sums[2, y, first:last]
-                for x in range(last - first):
-                    offset = np.int16(centre[x] - other[x])
-                    c0, c1, c2, c3, c4 = p0[x], p1[x], p2[x], p3[x], p4[x]
-                    same_lane, above = offset == np.int16(0), offset == np.int16(1)
-                    near = np.int16(-1) if (offset >= np.int16(-1)) & (offset <= np.int16(1)) else np.int16(0)
-                    # All three are read and one is kept, so that the loop has no branches.
-                    low[x] += np.int16(near & (c1 if same_lane else (c2 if above else c0)))
-                    same[x] += np.int16(near & (c2 if same_lane else (c3 if above else c1)))
-                    high[x] += np.int16(near & (c3 if same_lane else (c4 if above else c2)))
+        for x in range(0, w, VECTOR):
+            at, out = y * pitch + x, np.uint64(y * w + x)
+            best = load(flat_lanes, np.uint64(at + radius * pitch + radius), like)
+            low, same, high = _surface_costs(best, flat_lanes, flat_planes, plane, at, pitch, radius)
+            # The paths may hold the winner back by a lane where the surface slopes: fit around the lowest of the three.
+            moved = choose(is_below(low, same), minus(best, I16(1)), best)
+            moved = choose(is_below(high, minimum(low, same)), plus(best, I16(1)), moved)
+            moved = choose(is_below(best, I16(0)), OUTSIDE, moved)
+            low, same, high = _surface_costs(moved, flat_lanes, flat_planes, plane, at, pitch, radius)
+            store(flat_reference, out, moved)
+            store(flat_sums, out, low)
+            store(flat_sums, out + size, same)
+            store(flat_sums, out + size + size, high)
 
 
 @no_type_check
 @compiled
 def _fit_surface(reference, sums, found):
-    h, w = reference.shape
+    h, w = found.shape
     for y in range(h):
         for x in range(w):
-            if reference[y, x] < 0:
-                continue
             below = np.int32(sums[0, y, x]) - sums[1, y, x]
             above = np.int32(sums[2, y, x]) - sums[1, y, x]
-            fraction = np.float32(0)
-            if below < 0 or above < 0:
-                fraction = np.float32(-0.5 if below < above else 0.5)
-            else:
-                fraction = _fraction(below, above, False)
-            found[y, x] = np.int16(np.floor((reference[y, x] + fraction) * np.float32(32) + np.float32(0.5)))
+            # All is computed and one is kept, so that the loop has no branches.
+            inside = np.float32(below - above) / np.float32(2 * max(below, above, 1))
+            end = np.float32(-0.5) if below < above else np.float32(0.5)
+            fraction = end if min(below, above) < 0 else inside
+            fitted = np.int16(np.floor((reference[y, x] + fraction) * np.float32(32) + np.float32(0.5)))
+            found[y, x] = fitted if reference[y, x] >= 0 else found[y, x]
 
 
 def fit_surfaces(
@@ -137,17 +175,15 @@ def fit_surfaces(
     A neighbour belongs to the surface when its winner is at most one lane away; costs are averaged at equal disparity.
     Pixels whose five lanes are not all inside the search keep what they have.
     """
-    planes = evidence.left[4:9]
-    complete = (found > 0) & np.all(planes != NO_COST, axis=0)
-    lanes = np.where(complete, evidence.left[0], OUTSIDE)
-    sums = np.zeros((3, *lanes.shape), np.int16)
-    _add_surface_costs(lanes, lanes, planes, settings.surface_radius, sums)
-    # The paths may hold the winner back by a lane where the surface slopes: fit around the lowest of the three.
-    step = np.where(sums[0] < sums[1], np.int16(-1), np.int16(0))
-    step = np.where(sums[2] < np.minimum(sums[0], sums[1]), np.int16(1), step)
-    reference = np.where(complete, lanes + step, OUTSIDE)
-    sums[:] = 0
-    _add_surface_costs(reference, lanes, planes, settings.surface_radius, sums)
+    (h, w), radius = found.shape, settings.surface_radius
+    width = -(-w // VECTOR) * VECTOR
+    inner = slice(radius, radius + h), slice(radius, radius + w)
+    planes = np.zeros((5, h + 2 * radius, width + 2 * radius), np.int16)
+    planes[:, *inner] = evidence.left[4:9]
+    lanes = np.full(planes.shape[1:], OUTSIDE)
+    lanes[inner] = np.where((found > 0) & (evidence.left[4:9].max(axis=0) != NO_COST), evidence.left[0], OUTSIDE)
+    reference, sums = np.zeros((h, width), np.int16), np.zeros((3, h, width), np.int16)
+    _sum_surfaces(lanes, planes, radius, reference, sums)
     fitted = found.copy()
     _fit_surface(reference, sums, fitted)
     return fitted
@@ -156,26 +192,30 @@ def fit_surfaces(
 @no_type_check
 @compiled
 def _agreeing_neighbours(padded, radius, tolerance, counts):
-    h, w = counts.shape
+    """Pixels in the window that agree with its centre, which is one of them; images in rows of whole vectors."""
+    h, w, pitch = counts.shape[0], counts.shape[1], padded.shape[1]
+    flat, flat_counts, like = padded.reshape(-1), counts.reshape(-1), lane_numbers(VECTOR)
     for y in range(h):
-        centre, count = padded[y + radius, radius : radius + w], counts[y]
-        for dy in range(2 * radius + 1):
-            for dx in range(2 * radius + 1):
-                other = padded[y + dy, dx : dx + w]
-                for x in range(w):
-                    difference = np.int16(other[x] - centre[x])
-                    count[x] += np.int16((difference <= tolerance) & (difference >= -tolerance))
-        count -= 1  # itself
+        for x in range(0, w, VECTOR):
+            lowest = minus(load(flat, np.uint64((y + radius) * pitch + x + radius), like), tolerance)
+            count = spread(I16(0), like)
+            for dy in range(2 * radius + 1):
+                for dx in range(2 * radius + 1):
+                    above_lowest = minus(load(flat, np.uint64((y + dy) * pitch + x + dx), like), lowest)
+                    agrees = is_among(above_lowest, I16(2 * tolerance + 1))
+                    count = choose(agrees, plus(count, I16(1)), count)
+            store(flat_counts, np.uint64(y * w + x), count)
 
 
 def with_support(disparity: UInt16[np.ndarray, "h w"], settings: D4Settings) -> UInt16[np.ndarray, "h w"]:
     """Drop pixels that too few neighbours agree with [1/32 px, 0 = hole]."""
-    radius = settings.neighbour_radius
-    values = np.where(disparity > 0, disparity.astype(np.int16), HOLE)
-    padded = np.pad(values, radius, constant_values=HOLE)
-    counts = np.zeros(disparity.shape, np.int16)
+    (h, w), radius = disparity.shape, settings.neighbour_radius
+    width = -(-w // VECTOR) * VECTOR
+    padded = np.full((h + 2 * radius, width + 2 * radius), HOLE)
+    padded[radius : radius + h, radius : radius + w] = np.where(disparity > 0, disparity.astype(np.int16), HOLE)
+    counts = np.zeros((h, width), np.int16)
     _agreeing_neighbours(padded, radius, np.int16(settings.neighbour_px * SUBPIXEL_STEPS), counts)
-    return np.where(counts >= settings.neighbour_least, disparity, np.uint16(0))
+    return np.where(counts[:, :w] > settings.neighbour_least, disparity, np.uint16(0))
 
 
 def without_speckles(disparity: UInt16[np.ndarray, "h w"], settings: D4Settings) -> UInt16[np.ndarray, "h w"]:
