@@ -18,6 +18,7 @@ from franbv.frames import Intrinsics
 from franbv.sensing import DepthBurst
 from studies.cases import PROGRESS, write_atomically
 from studies.images import write_png
+from studies.shared_captures import SharedCaptures
 from studies.stored_view import camera_vector, read_arrays, write_arrays
 
 Take = Callable[[RigidTransform, int], tuple[DepthBurst, UInt8[np.ndarray, "h w"]]]
@@ -34,16 +35,26 @@ class KeptCaptures:
     min_z: float
     case: Path
     """Folder of the (unfinished) case; the captures go into its PROGRESS folder."""
+    shared: SharedCaptures | None = None
+    """Captures of other runs that may be taken over, None = none."""
     sensing_s: list[float] = field(default_factory=list)
-    """Time that each capture took when it was taken [s]."""
+    """Time that each capture took when it was taken, or taken over from another run [s]."""
     earlier_s: float = 0.0
     """Time that interrupted processes spent on the captures that were taken over [s]."""
+    earlier_processor_s: float = 0.0
+    """Processor time of the same [s]."""
     _began: float = field(default_factory=time.perf_counter)
+    _processor_began: float = field(default_factory=time.process_time)
 
     @property
     def elapsed_s(self) -> float:
         """Wall time spent on the case so far, interrupted processes included [s]."""
         return self.earlier_s + time.perf_counter() - self._began
+
+    @property
+    def processor_s(self) -> float:
+        """Processor time of all threads spent on the case so far, likewise [s]."""
+        return self.earlier_processor_s + time.process_time() - self._processor_began
 
     def capture(self, T_world_cam: RigidTransform, n_frames: int) -> DepthBurst:
         """The burst from this pose: the kept one if there is one, else a new one, which is kept."""
@@ -52,17 +63,27 @@ class KeptCaptures:
         if kept is not None:
             return kept
         start = time.perf_counter()
+        files = (infrared_path(self.case, number), self._path(number, ".npz"))
+        files[0].parent.mkdir(exist_ok=True)
+        if self.shared and self.shared.take_over(T_world_cam, n_frames, files):
+            self._keep_times(number, time.perf_counter() - start)
+            return DepthBurst(read_arrays(files[1])["depths"], self.intrinsics, T_world_cam)
         burst, infrared = self.take(T_world_cam, n_frames)
-        self.sensing_s.append(time.perf_counter() - start)
-        self._keep(number, burst, infrared)
+        sensing_s = time.perf_counter() - start
+        write_png(files[0], infrared)
+        self._keep(number, burst)
+        self._keep_times(number, sensing_s)
+        if self.shared:
+            self.shared.offer(T_world_cam, n_frames, files)
         return burst
 
-    def _keep(self, number: int, burst: DepthBurst, infrared: UInt8[np.ndarray, "h w"]) -> None:
-        """The arrays are written last: a capture without them does not count."""
-        self._path(number, ".npz").parent.mkdir(exist_ok=True)
-        write_png(infrared_path(self.case, number), infrared)
-        times = {"sensing_s": self.sensing_s[number], "elapsed_s": self.elapsed_s}
+    def _keep_times(self, number: int, sensing_s: float) -> None:
+        """Written last: a capture without its times does not count."""
+        self.sensing_s.append(sensing_s)
+        times = {"sensing_s": sensing_s, "elapsed_s": self.elapsed_s, "processor_s": self.processor_s}
         write_atomically(self._path(number, ".json"), json.dumps(times).encode())
+
+    def _keep(self, number: int, burst: DepthBurst) -> None:
         arrays = {
             "depths": burst.depths,
             "camera": camera_vector(burst.intrinsics),
@@ -81,6 +102,7 @@ class KeptCaptures:
         times = json.loads(self._path(number, ".json").read_text())
         self.sensing_s.append(times["sensing_s"])
         self.earlier_s = max(self.earlier_s, times["elapsed_s"])
+        self.earlier_processor_s = max(self.earlier_processor_s, times["processor_s"])
         return DepthBurst(arrays["depths"], self.intrinsics, T_world_cam)
 
     def drop_times(self) -> None:

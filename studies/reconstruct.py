@@ -20,6 +20,7 @@ from studies.console import say, say_json, warn
 from studies.reference import reference_surface
 from studies.run_case import COMMAND, RunSettings, ablated, write_run
 from studies.run_words import run_paragraph
+from studies.shared_captures import SharedCaptures
 from studies.single_case import made_once
 from studies.stored_run import CLOUD, FILTERED_CLOUD, REPORT, RUN, TABLE, TIMINGS, StoredRun
 from studies.subject import Subject, SubjectSettings, build_subject, resolved
@@ -52,10 +53,16 @@ def run(args: list[str]) -> int:
     return 0
 
 
-def simulate(folder: Path, config: ReconstructSettings, subject: Subject, watched: bool = True) -> None:
-    """Run the loop with the simulated camera and arm; `watched` as in `write_run`."""
+def simulate(
+    folder: Path,
+    config: ReconstructSettings,
+    subject: Subject,
+    watched: bool = True,
+    shared: SharedCaptures | None = None,
+) -> None:
+    """Run the loop with the simulated camera and arm; `watched` as in `write_run`, `shared` as in `KeptCaptures`."""
     camera = SimulatedD435i(subject.scene, config.sensor, config.seed)
-    captures = KeptCaptures(take_with(camera), camera.intrinsics, camera.min_z, folder)
+    captures = KeptCaptures(take_with(camera), camera.intrinsics, camera.min_z, folder, shared)
     reference = reference_surface(subject.scene, lambda points, normals: seen_from_above(camera.world, points, normals))
     arm = SimulatedArm.around(subject.scene.part_mesh())
     write_run(folder, config, subject.title, captures, arm, reference, watched)

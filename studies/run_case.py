@@ -80,7 +80,7 @@ def write_run(
         {"sensing": sensing, **acquisition.planning_s}
         for sensing, acquisition in zip(captures.sensing_s, result.acquisitions, strict=True)
     ]
-    timings = {**timing_figures(times, captures.elapsed_s), "acquisitions": times}
+    timings = {**timing_figures(times, captures.elapsed_s, captures.processor_s), "acquisitions": times}
     write_atomically(folder / TIMINGS, strict_json(timings, indent=1).encode())
     write_report(folder)
     captures.drop_times()

@@ -149,13 +149,14 @@ def _quality_figures(found: Quality, prefix: str) -> dict[str, float]:
     }
 
 
-def timing_figures(times: list[dict[str, float]], wall_s: float) -> dict[str, float]:
+def timing_figures(times: list[dict[str, float]], wall_s: float, processor_s: float) -> dict[str, float]:
     """Medians over the acquisitions [s]: `sensing` apart, all other stages are planning."""
     planning = [sum(seconds for stage, seconds in row.items() if stage != "sensing") for row in times]
     return {
         "planning_s_median": float(np.median(planning)),
         "sensing_s_median": float(np.median([row["sensing"] for row in times])),
         "wall_s": wall_s,
+        "processor_s": processor_s,
     }
 
 

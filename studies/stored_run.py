@@ -41,7 +41,7 @@ class StoredRun:
 
     @cached_property
     def timings(self) -> dict[str, Any]:
-        """`wall_s` and, per acquisition, the seconds of each stage."""
+        """`wall_s`, `processor_s` and, per acquisition, the seconds of each stage."""
         return _read_json(self.folder / TIMINGS)
 
     @cached_property

@@ -7,6 +7,10 @@ from materials.input_error import InputError
 from materials.suggestion import suggest
 
 STUDIES = {
+    "comparison": (
+        "studies.comparison",
+        "Whether FRA-NBV covers more than PB-NBV and ray-cast entropy, as the paper measured.",
+    ),
     "sensitivity": (
         "studies.sensitivity",
         "Which materials and angles break the depth, the detector and the recovery.",

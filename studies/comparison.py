@@ -1,0 +1,118 @@
+"""`franbv study comparison`: FRA against PB and RE on parts A to D and an inside corner, beside the paper's numbers."""
+
+import json
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from materials.input_error import InputError
+from materials.suggestion import suggest
+from studies.ablation import ABLATIONS
+from studies.cases import finished_case, prepare_output, write_atomically
+from studies.command_line import parse
+from studies.comparison_cases import RUNS, PlannedRun, check_runs, jobs, planned_runs
+from studies.comparison_preset import Preset, load_preset
+from studies.comparison_records import COLUMNS, read_records, table_row
+from studies.comparison_statistics import Comparison
+from studies.comparison_summary import json_summary, paragraph
+from studies.config import load_config
+from studies.console import say, say_json, strict_json, warn
+from studies.planning_speed import SPEED, SpeedTask, measure_speed
+from studies.report.comparison_page import write_comparison_report
+from studies.report_command import COMPARISON
+from studies.stored_run import REPORT
+from studies.study_table import write_rows
+from studies.workers import Failure, Job, limit_renderer, run_jobs, worker_count
+
+PROGRAM = "franbv study comparison"
+HELP = "Compare FRA-NBV with PB-NBV and ray-cast entropy over many runs, beside the paper's numbers."
+STUDY, TABLE, SUMMARY = COMPARISON, "runs.parquet", "summary.json"
+"""The resolved preset, the table of runs and the summary, in the output folder."""
+
+
+@dataclass(frozen=True)
+class ComparisonCommand:
+    """The flags of `franbv study comparison`."""
+
+    out: Path
+    """Output folder. Finished runs in it are not repeated."""
+    preset: Annotated[str, tyro.conf.arg(metavar="quick|paper|FILE.yaml")] = "paper"
+    """What to run: a preset, or a YAML file of your own."""
+    ablations: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME...")] = ()
+    """Ablations to run beside it; `all` for all of them."""
+    workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Worker processes; the default is one for each processor."""
+    json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Print one JSON object as the last line of stdout."""
+
+
+def run(args: list[str]) -> int:
+    """Run what is missing, then build table and report from all runs; exit status 1 when runs failed."""
+    began = time.perf_counter()
+    command = parse(ComparisonCommand, args, PROGRAM, HELP)
+    preset = with_ablations(load_preset(command.preset), command.ablations)
+    workers = worker_count(command.workers)
+    runs = planned_runs(preset)
+    check_runs(runs)
+    prepare_output(command.out)
+    write_atomically(command.out / STUDY, strict_json(preset.model_dump(mode="json"), indent=1).encode())
+    failures = reconstruct_all(command.out, preset, runs, workers)
+    for failure in failures:
+        warn(f"{PROGRAM}: {failure.name}: {failure.reason}")
+    summary, comparison = evaluate(command.out, preset, runs, failures, time.perf_counter() - began)
+    say(f"{paragraph(comparison, len(runs), len(failures))}\nReport: {command.out / REPORT}")
+    if command.json:
+        say_json(summary)
+    return 1 if failures else 0
+
+
+def with_ablations(preset: Preset, names: tuple[str, ...]) -> Preset:
+    """The preset with these ablations instead of its own, if any are named."""
+    names = tuple(ABLATIONS) if "all" in names else names
+    for name in names:
+        if name not in ABLATIONS:
+            raise InputError(f"ablation {name}: there is none; {suggest(name, ABLATIONS)}")
+    return preset.model_copy(update={"ablations": tuple(dict.fromkeys(names))}) if names else preset
+
+
+def reconstruct_all(out: Path, preset: Preset, runs: list[PlannedRun], workers: int) -> list[Failure]:
+    """Make the runs that are not there yet, then time planning while nothing else runs."""
+    missing = jobs(out, runs)
+    failures = run_jobs([missing], workers, limit_renderer, already_done=len(runs) - len(missing))
+    speed = speed_job(out, preset, runs)
+    return failures + (run_jobs([[speed]], 1) if speed else [])
+
+
+def speed_job(out: Path, preset: Preset, runs: list[PlannedRun]) -> Job | None:
+    """The measurement of planning times on the map of the last part's first finished run, unless it is there."""
+    cases = [finished_case(out / RUNS, planned.digest) for planned in runs if planned.part in preset.parts[-1:]]
+    found = next((case for case in cases if case), None)
+    if not preset.speed or found is None or (out / SPEED).exists():
+        return None
+    return Job("planning speed", measure_speed, SpeedTask(out, found, preset.parameters))
+
+
+def evaluate(
+    out: Path, preset: Preset, runs: list[PlannedRun], failures: list[Failure], wall_s: float
+) -> tuple[dict[str, Any], Comparison]:
+    """Write table, summary and report of the runs that are finished; returns the summary and the runs."""
+    comparison = Comparison(read_records(out, runs))
+    write_rows(out / TABLE, COLUMNS, map(table_row, comparison.records))
+    parts = list(dict.fromkeys(planned.part for planned in runs))
+    summary = json_summary(comparison, parts, preset.planners, len(failures), wall_s)
+    stored = {**summary, "failures": [asdict(failure) for failure in failures]}
+    write_atomically(out / SUMMARY, strict_json(stored, indent=1).encode())
+    write_comparison_report(out, preset, comparison, len(runs), failures)
+    return summary, comparison
+
+
+def rebuild(out: Path) -> Path:
+    """Table, summary and report of a comparison from its folder alone; returns the report's path."""
+    preset = load_config(Preset, out / STUDY)
+    before = json.loads((out / SUMMARY).read_text()) if (out / SUMMARY).exists() else {"failures": [], "wall_s": 0.0}
+    failures = [Failure(**failure) for failure in before["failures"]]
+    evaluate(out, preset, planned_runs(preset), failures, before["wall_s"])
+    return out / REPORT

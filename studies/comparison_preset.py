@@ -1,0 +1,80 @@
+"""What the comparison of planners runs: parts, planners, repetitions and ablations, read from a preset or a file."""
+
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from franbv.parameters import Parameters
+from materials.input_error import InputError
+from materials.suggestion import suggest
+from render.d435i import SensorSettings
+from scenes.parts import PART_NAMES
+from studies.ablation import ABLATIONS
+from studies.config import Config, load_config
+from studies.subject import check_sensor
+
+PRESETS = ("quick", "paper")
+"""Presets of ours, files of `studies/presets`."""
+CORNER = "inside_corner"
+"""The subject whose faces mirror each other."""
+
+Count = Annotated[int, Field(ge=1)]
+
+
+class Preset(Config):
+    """A whole comparison."""
+
+    title: str
+    """Headline of the report."""
+    runs: Count = 15
+    """Runs of each planner on each part; run i of n starts at azimuth 360 i / n (paper, section VI)."""
+    parts: tuple[str, ...] = PART_NAMES
+    """Of parts A to D."""
+    corner: str | None = "stainless_austenitic:bright"
+    """Material of the inside corner, None = without it. Choice: a bracket bent from cold-rolled stainless sheet."""
+    planners: tuple[Literal["fra", "pb", "re", "random"], ...] = ("fra", "pb", "re")
+    """Planners, each on every part."""
+    ablations: tuple[str, ...] = ()
+    """Ablations by name, each with its planner on `ablated_parts`."""
+    ablated_parts: tuple[str, ...] = ("C", "D")
+    """Choice: the parts on which recoveries are many."""
+    ablation_runs: Count = 5
+    """Runs of each ablation on each of these parts, the first of those above in even steps (choice: a third)."""
+    seed: Annotated[int, Field(ge=0)] = 0
+    """Root of all randomness."""
+    lamps: str = "workshop"
+    """Lamp preset."""
+    sensor: SensorSettings = SensorSettings()
+    """The camera."""
+    parameters: Parameters = Parameters()
+    """Of the method."""
+    speed: bool = True
+    """Whether planning times are measured against the sizes of map, image and candidate set."""
+
+    @model_validator(mode="after")
+    def _known(self) -> "Preset":
+        for words, known in (
+            (self.parts, PART_NAMES),
+            (self.ablated_parts, PART_NAMES),
+            (self.ablations, tuple(ABLATIONS)),
+        ):
+            for word in words:
+                if word not in known:
+                    raise ValueError(f"{word}: there is none; {suggest(word, known)}")
+            if len(set(words)) < len(words):
+                raise ValueError(f"{max(words, key=words.count)} stands there twice")
+        if not (self.parts or self.corner):
+            raise ValueError("nothing to reconstruct; name parts, or a material for the corner")
+        check_sensor(self.sensor)
+        return self
+
+
+def load_preset(name: str) -> Preset:
+    """A preset of ours by name, or one of the user's by file; InputError in one line otherwise."""
+    if name in PRESETS:
+        return load_config(Preset, Path(str(files("studies") / "presets" / f"comparison_{name}.yaml")))
+    if not name.endswith((".yaml", ".yml")):
+        raise InputError(f"preset {name}: there is none; {suggest(name, PRESETS)}, or give a YAML file")
+    return load_config(Preset, Path(name))

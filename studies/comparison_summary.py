@@ -1,0 +1,59 @@
+"""The comparison in numbers for machines, and in one paragraph for people."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from studies.comparison_statistics import Comparison
+from studies.paired_statistics import Interval
+from studies.paper_results import findings, verdict_words
+from studies.run_words import counted
+
+
+def json_summary(comparison: Comparison, parts: Sequence[str], planners: Sequence[str], failed: int, wall_s: float):
+    """The object that `--json` prints; shares as fractions, lengths in millimetres, means over runs."""
+    of_parts = [part for part in parts if part in "ABCD"]
+    return {
+        "runs": len(comparison.records),
+        "failed": failed,
+        "wall_s": wall_s,
+        "processor_s": sum(record.processor_s for record in comparison.records),
+        "time_ratio_re_pb": comparison.time_ratio(of_parts, "re", "pb"),
+        "time_ratio_fra_pb": comparison.time_ratio(of_parts, "fra", "pb"),
+        "planning_ratio_re_pb": comparison.time_ratio(of_parts, "re", "pb", "planning"),
+        "planning_ratio_fra_pb": comparison.time_ratio(of_parts, "fra", "pb", "planning"),
+        "parts": {part: {planner: arm_summary(comparison, part, planner) for planner in planners} for part in parts},
+    }
+
+
+def arm_summary(comparison: Comparison, part: str, arm: str) -> dict[str, Any]:
+    """Means of one arm on one part; null where there is no finished run."""
+
+    def mean(name: str) -> float | None:
+        interval = comparison.figure(part, arm, name)
+        return interval.mean if interval else None
+
+    return {
+        "coverage_5mm": mean("coverage_5mm"),
+        "coverage_ci95": _ends(comparison.figure(part, arm, "coverage_5mm")),
+        "accuracy_mm": mean("accuracy_mm"),
+        "f_score": mean("f_score"),
+        "filtered_coverage_5mm": mean("filtered_coverage_5mm"),
+        "wrongly_free_share": mean("wrongly_free_share"),
+        "wrongly_occupied_share": mean("wrongly_occupied_share"),
+        "acquisitions": mean("acquisitions"),
+        "activations": mean("recovery_activations"),
+        "recovery_contribution": mean("recovery_share"),
+        "runs": len(comparison.runs(part, arm)),
+    }
+
+
+def paragraph(comparison: Comparison, planned: int, failed: int) -> str:
+    """What was run and how much of the paper was found."""
+    done = counted(len(comparison.records), "run")
+    missing = planned - len(comparison.records)
+    rest = f" of {planned}; {counted(failed, 'run')} failed" if missing else ", all that were planned"
+    return f"{done}{rest}. {verdict_words(findings(comparison))}"
+
+
+def _ends(interval: Interval | None) -> list[float] | None:
+    return [interval.low, interval.high] if interval else None

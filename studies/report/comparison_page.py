@@ -1,0 +1,91 @@
+"""The report of a comparison: the paper's sentences beside our numbers, curves, tables, boxes, times, ablations."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from scenes.parts import PART_NAMES, part_description
+from studies.ablation import ABLATIONS
+from studies.cases import write_atomically
+from studies.comparison_preset import Preset
+from studies.comparison_statistics import Comparison
+from studies.comparison_summary import paragraph
+from studies.paired_statistics import holm
+from studies.paper_results import DIRECTION, FOUND, ITERATION_S, UNKNOWN, findings, points
+from studies.planning_speed import SPEED
+from studies.report.comparison_tables import (
+    ablation_rows,
+    arm_rows,
+    difference_rows,
+    loss_rows,
+    speed_words,
+    time_rows,
+)
+from studies.report.increments_figure import increments_figure
+from studies.report.page import flattened
+from studies.report.planner_curves_figure import planner_curves_figure
+from studies.report.speed_figure import speed_figure
+from studies.report.templates import asset, environment
+from studies.stored_run import REPORT
+from studies.workers import Failure
+
+VERDICTS = {FOUND: "found", DIRECTION: "direction", UNKNOWN: "unknown"}
+"""Classes of the verdicts; all others are missing."""
+
+
+def write_comparison_report(
+    out: Path, preset: Preset, comparison: Comparison, planned: int, failures: Sequence[Failure]
+) -> Path:
+    """(Re)build `report.html` in the study's folder; returns its path."""
+    path = out / REPORT
+    speed = json.loads((out / SPEED).read_text()) if (out / SPEED).exists() else None
+    write_atomically(path, comparison_html(preset, comparison, planned, failures, speed).encode())
+    return path
+
+
+def comparison_html(
+    preset: Preset,
+    comparison: Comparison,
+    planned: int,
+    failures: Sequence[Failure],
+    speed: dict[str, Any] | None,
+) -> str:
+    """The whole page."""
+    parts = list(dict.fromkeys(record.part for record in comparison.records))
+    words = {part: part_words(part) for part in parts}
+    arms = [arm for arm in preset.planners if any(comparison.runs(part, arm) for part in parts)]
+    differences = difference_rows(comparison, parts, [arm for arm in arms if arm != "fra"])
+    return (
+        environment()
+        .get_template("comparison.html.j2")
+        .render(
+            title=preset.title,
+            paragraph=paragraph(comparison, planned, len(failures)),
+            preset=preset,
+            parts=parts,
+            words=words,
+            arms=arms,
+            findings=[(finding, VERDICTS.get(finding.verdict, "missing")) for finding in findings(comparison)],
+            by_iterations=planner_curves_figure(comparison, parts, arms, "iterations", words),
+            by_acquisitions=planner_curves_figure(comparison, parts, arms, "acquisitions", words),
+            figures=arm_rows(comparison, parts, arms),
+            differences=differences,
+            adjusted=holm([row["end"].p for row in differences if row["end"]]),
+            points=points,
+            increments=increments_figure(comparison, parts, words),
+            times=time_rows(comparison, parts, arms, ITERATION_S),
+            losses=loss_rows(comparison, parts),
+            speed=speed_figure(speed["rows"]) if speed else None,
+            speed_words=speed_words(speed["rows"]) if speed else "",
+            ablations=ablation_rows(comparison, preset.ablated_parts, ABLATIONS),
+            failures=failures,
+            config=list(flattened(preset.model_dump(mode="json"))),
+            style=asset("style.css") + asset("comparison.css"),
+        )
+    )
+
+
+def part_words(part: str) -> str:
+    """`A, matte steel cuboid`."""
+    return f"{part}, {part_description(part)}" if part in PART_NAMES else part.replace("_", " ").capitalize()

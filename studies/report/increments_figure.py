@@ -1,0 +1,66 @@
+"""What a view adds against the coverage before it: boxes of PB views beside boxes of FRA's recovery views."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from markupsafe import Markup
+
+from studies.acquisition_table import NBV, RECOVERY
+from studies.comparison_statistics import Comparison
+from studies.report import svg
+from studies.view_increments import BIN, FEWEST, binned_increments
+
+WIDTH, HEIGHT = 1160, 290
+LEFT, RIGHT, TOP, BOTTOM = 38, 14, 46, 240
+"""Margins left and right of each panel, its upper and lower edge [px]."""
+MOST = 60.0
+"""Upper end of the axis [points] (choice: only first views add more)."""
+GROUPS = (("pb", NBV, "pb", "PB views"), ("fra", RECOVERY, "fra", "FRA recovery views"))
+"""Arm, kind of view, class, words."""
+
+
+def increments_figure(comparison: Comparison, parts: Sequence[str], words: dict[str, str]) -> Markup:
+    """A panel per part, a pair of boxes per range of prior coverage; too few views are marked by an x."""
+    width = WIDTH / max(len(parts), 1)
+    panels = [_panel(comparison, part, k * width, width, words[part]) for k, part in enumerate(parts)]
+    return svg.figure(WIDTH, HEIGHT, "Coverage added by a view against the coverage before it", *panels)
+
+
+def _panel(comparison: Comparison, part: str, left: float, width: float, title: str) -> Markup:
+    x = svg.Scale(0, 100, left + LEFT, left + width - RIGHT)
+    y = svg.Scale(0, MOST, BOTTOM, TOP)
+    share = 100 * BIN
+    boxes = [
+        _box(
+            values, x((k + 0.3 + 0.4 * side) * share), 0.28 * (x(share) - x(0)), y, klass, f"{name}, {k * share:.0f} %"
+        )
+        for side, (arm, kind, klass, name) in enumerate(GROUPS)
+        for k, values in enumerate(binned_increments(comparison, part, arm, kind))
+    ]
+    return svg.join(
+        svg.text(left + LEFT, 16, title, "axis-label strong"),
+        svg.text(left + LEFT, 33, "added by the view [points]", "tick-label"),
+        svg.left_axis(y, left + LEFT, left + width - RIGHT, [0, 20, 40, 60]),
+        svg.bottom_axis(x, BOTTOM, "coverage before the view [%]", [0, 20, 40, 60, 80, 100]),
+        *boxes,
+    )
+
+
+def _box(values: list[float], middle: float, width: float, y: svg.Scale, klass: str, name: str) -> Markup:
+    """Quartiles, median, and whiskers to the farthest value within 1.5 times the box (Tukey 1977)."""
+    if len(values) < FEWEST:
+        mark = svg.text(middle, y(0) - 4, "×", "tick-label mid")
+        return svg.marked(mark, f"{name} and above: {len(values)} views, too few")
+    added = 100 * np.asarray(values)
+    lower, median, upper = np.percentile(added, [25, 50, 75])
+    reach = 1.5 * (upper - lower)
+    low, high = added[added >= lower - reach].min(), added[added <= upper + reach].max()
+    top, bottom, left = y(min(upper, MOST)), y(min(lower, MOST)), middle - width / 2
+    shapes = svg.join(
+        svg.line(middle, y(low), middle, bottom, f"whisker {klass}"),
+        svg.line(middle, top, middle, y(min(high, MOST)), f"whisker {klass}"),
+        svg.element("rect", x=left, y=top, width=width, height=max(bottom - top, 1.0), klass=f"box {klass}"),
+        svg.line(left, y(min(median, MOST)), left + width, y(min(median, MOST)), "box-median"),
+    )
+    numbers = f"median {median:.1f}, quartiles {lower:.1f} to {upper:.1f}, {len(values)} views"
+    return svg.marked(shapes, f"{name} and above: {numbers}")
