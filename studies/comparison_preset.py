@@ -62,9 +62,9 @@ class Preset(Config):
         ):
             for word in words:
                 if word not in known:
-                    raise ValueError(f"{word}: there is none; {suggest(word, known)}")
+                    raise ValueError(f"parts or ablations: there is no {word}; {suggest(word, known)}")
             if len(set(words)) < len(words):
-                raise ValueError(f"{max(words, key=words.count)} stands there twice")
+                raise ValueError(f"parts or ablations: {max(words, key=words.count)} stands there twice")
         if not (self.parts or self.corner):
             raise ValueError("nothing to reconstruct; name parts, or a material for the corner")
         check_sensor(self.sensor)

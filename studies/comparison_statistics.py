@@ -77,12 +77,23 @@ class Comparison:
         known = [pair for pair in pairs if None not in pair]
         return paired_difference(*zip(*known, strict=True)) if known else None
 
-    def iteration_time(self, part: str, arm: str, stage: str | None = None) -> Quartiles | None:
-        """Quartiles over the NBV iterations of all runs [s]; stage: planning, motion or exposure, None = their sum."""
-        times = [record.iteration_times() for record in self.runs(part, arm)]
-        if not times:
+    def iteration_time(
+        self, part: str, arm: str, stage: str | None = None, overhead_s: float = 0.0
+    ) -> Quartiles | None:
+        """Quartiles over the NBV iterations of all runs [s].
+
+        stage: planning, motion or exposure, None = their sum. overhead_s: added for every view.
+        """
+        runs = self.runs(part, arm)
+        if not runs:
             return None
-        values = np.concatenate([row[stage] if stage else sum(row.values()) for row in times])
+        times = [record.iteration_times() for record in runs]
+        values = np.concatenate(
+            [
+                (row[stage] if stage else sum(row.values())) + overhead_s * np.bincount(record.iterations)
+                for row, record in zip(times, runs, strict=True)
+            ]
+        )
         lower, median, upper = np.percentile(values, [25, 50, 75])
         return Quartiles(float(lower), float(median), float(upper), len(values))
 

@@ -12,17 +12,19 @@ from studies.comparison_preset import Preset
 from studies.comparison_statistics import Comparison
 from studies.comparison_summary import paragraph
 from studies.paired_statistics import holm
-from studies.paper_results import DIRECTION, FOUND, ITERATION_S, UNKNOWN, findings, points
+from studies.paper_results import DIRECTION, FOUND, UNKNOWN, findings, points
 from studies.planning_speed import SPEED
 from studies.report.comparison_tables import (
     ablation_rows,
     arm_rows,
     difference_rows,
     loss_rows,
+    overhead_words,
     speed_words,
     time_rows,
 )
 from studies.report.increments_figure import increments_figure
+from studies.report.link_words import link_words
 from studies.report.page import flattened
 from studies.report.planner_curves_figure import planner_curves_figure
 from studies.report.speed_figure import speed_figure
@@ -53,7 +55,7 @@ def comparison_html(
 ) -> str:
     """The whole page."""
     parts = list(dict.fromkeys(record.part for record in comparison.records))
-    words = {part: part_words(part) for part in parts}
+    words, short = ({part: name(part) for part in parts} for name in (part_words, short_words))
     arms = [arm for arm in preset.planners if any(comparison.runs(part, arm) for part in parts)]
     differences = difference_rows(comparison, parts, [arm for arm in arms if arm != "fra"])
     return (
@@ -65,17 +67,20 @@ def comparison_html(
             preset=preset,
             parts=parts,
             words=words,
+            short=short,
             arms=arms,
             findings=[(finding, VERDICTS.get(finding.verdict, "missing")) for finding in findings(comparison)],
-            by_iterations=planner_curves_figure(comparison, parts, arms, "iterations", words),
-            by_acquisitions=planner_curves_figure(comparison, parts, arms, "acquisitions", words),
+            by_iterations=planner_curves_figure(comparison, parts, arms, "iterations", short),
+            by_acquisitions=planner_curves_figure(comparison, parts, arms, "acquisitions", short),
             figures=arm_rows(comparison, parts, arms),
             differences=differences,
             adjusted=holm([row["end"].p for row in differences if row["end"]]),
             points=points,
-            increments=increments_figure(comparison, parts, words),
-            times=time_rows(comparison, parts, arms, ITERATION_S),
+            increments=increments_figure(comparison, parts, short),
+            times=time_rows(comparison, parts, arms),
+            overhead=overhead_words(comparison),
             losses=loss_rows(comparison, parts),
+            links=link_words(comparison, preset.ablated_parts, ABLATIONS, preset.parameters.recovered_share),
             speed=speed_figure(speed["rows"]) if speed else None,
             speed_words=speed_words(speed["rows"]) if speed else "",
             ablations=ablation_rows(comparison, preset.ablated_parts, ABLATIONS),
@@ -88,4 +93,9 @@ def comparison_html(
 
 def part_words(part: str) -> str:
     """`A, matte steel cuboid`."""
-    return f"{part}, {part_description(part)}" if part in PART_NAMES else part.replace("_", " ").capitalize()
+    return f"{part}, {part_description(part)}" if part in PART_NAMES else short_words(part)
+
+
+def short_words(part: str) -> str:
+    """`A`, `Inside corner`."""
+    return part if part in PART_NAMES else part.replace("_", " ").capitalize()

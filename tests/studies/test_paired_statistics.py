@@ -38,7 +38,7 @@ def test_sign_flip_is_scipys_paired_permutation_test(n: int):
     """The exact test of the same statistic by independent code."""
     d = np.random.default_rng(n).normal(0.4, 1.0, n)
     theirs = stats.permutation_test(
-        (d,), lambda x, axis: x.mean(axis=axis), permutation_type="samples", n_resamples=np.inf, vectorized=True
+        (d,), lambda x, axis: x.mean(axis=axis), permutation_type="samples", n_resamples=2**n, vectorized=True
     )
     assert sign_flip_p(d) == pytest.approx(theirs.pvalue)
 
@@ -46,7 +46,7 @@ def test_sign_flip_is_scipys_paired_permutation_test(n: int):
 def test_sign_flip_of_many_runs_approaches_the_t_test():
     """40 runs, random signs: within the scatter of 2^15 draws and the tests' difference of Student's p."""
     d = np.random.default_rng(1).normal(0.25, 1.0, 40)
-    assert sign_flip_p(d) == pytest.approx(stats.ttest_1samp(d, 0.0).pvalue, abs=0.02)
+    assert sign_flip_p(d) == pytest.approx(stats.ttest_1samp(d, 0.0)[1], abs=0.02)
 
 
 def test_paired_difference_follows_the_pairs():
