@@ -15,6 +15,7 @@ from numba import njit
 from render.compiled import compiled
 from render.d4_settings import PATHS, D4Settings
 from render.lane_instructions import (
+    PART,
     choose,
     is_among,
     is_below,
@@ -30,9 +31,6 @@ from render.lane_instructions import (
 from render.matcher import SUBPIXEL_STEPS
 
 I16 = np.int16
-
-VECTOR = 32
-"""Pixels that are worked on at a time: 16-bit numbers in the widest vectors that processors have."""
 
 NO_COST = np.int16(32767)
 """Marks lanes outside the search in `Evidence`."""
@@ -134,9 +132,9 @@ def _sum_surfaces(lanes, planes, radius, reference, sums):
     """Per pixel the lane around which costs are lowest and the sums around it; images in rows of whole vectors."""
     h, w, pitch, size = reference.shape[0], reference.shape[1], lanes.shape[1], np.uint64(reference.size)
     flat_lanes, flat_planes, plane = lanes.reshape(-1), planes.reshape(-1), np.uint64(lanes.size)
-    flat_reference, flat_sums, like = reference.reshape(-1), sums.reshape(-1), lane_numbers(VECTOR)
+    flat_reference, flat_sums, like = reference.reshape(-1), sums.reshape(-1), lane_numbers(PART)
     for y in range(h):
-        for x in range(0, w, VECTOR):
+        for x in range(0, w, PART):
             at, out = y * pitch + x, np.uint64(y * w + x)
             best = load(flat_lanes, np.uint64(at + radius * pitch + radius), like)
             low, same, high = _surface_costs(best, flat_lanes, flat_planes, plane, at, pitch, radius)
@@ -176,7 +174,7 @@ def fit_surfaces(
     Pixels whose five lanes are not all inside the search keep what they have.
     """
     (h, w), radius = found.shape, settings.surface_radius
-    width = -(-w // VECTOR) * VECTOR
+    width = -(-w // PART) * PART
     inner = slice(radius, radius + h), slice(radius, radius + w)
     planes = np.zeros((5, h + 2 * radius, width + 2 * radius), np.int16)
     planes[:, *inner] = evidence.left[4:9]
@@ -194,9 +192,9 @@ def fit_surfaces(
 def _agreeing_neighbours(padded, radius, tolerance, counts):
     """Pixels in the window that agree with its centre, which is one of them; images in rows of whole vectors."""
     h, w, pitch = counts.shape[0], counts.shape[1], padded.shape[1]
-    flat, flat_counts, like = padded.reshape(-1), counts.reshape(-1), lane_numbers(VECTOR)
+    flat, flat_counts, like = padded.reshape(-1), counts.reshape(-1), lane_numbers(PART)
     for y in range(h):
-        for x in range(0, w, VECTOR):
+        for x in range(0, w, PART):
             lowest = minus(load(flat, np.uint64((y + radius) * pitch + x + radius), like), tolerance)
             count = spread(I16(0), like)
             for dy in range(2 * radius + 1):
@@ -210,7 +208,7 @@ def _agreeing_neighbours(padded, radius, tolerance, counts):
 def with_support(disparity: UInt16[np.ndarray, "h w"], settings: D4Settings) -> UInt16[np.ndarray, "h w"]:
     """Drop pixels that too few neighbours agree with [1/32 px, 0 = hole]."""
     (h, w), radius = disparity.shape, settings.neighbour_radius
-    width = -(-w // VECTOR) * VECTOR
+    width = -(-w // PART) * PART
     padded = np.full((h + 2 * radius, width + 2 * radius), HOLE)
     padded[radius : radius + h, radius : radius + w] = np.where(disparity > 0, disparity.astype(np.int16), HOLE)
     counts = np.zeros((h, width), np.int16)

@@ -9,17 +9,15 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Float32, UInt8
+from jaxtyping import Float32, Shaped, UInt8
 
-from render.d4_census import CENSUS_RADIUS, CENSUS_WORDS, census
+from render.d4_census import CENSUS_RADIUS, census
 from render.d4_decision import Evidence, decide
 from render.d4_settings import D4Settings
 from render.d4_stream import COST_SCALE, stream_kernel
 from render.d4_support import path_edges, support_arms, support_reciprocals
+from render.lane_instructions import PART, places
 from render.matcher import N_DISPARITIES, SUBPIXEL_STEPS, StereoMatcher, Window
-
-LANE_BLOCK = 32
-"""Lanes are rounded up to full vectors. What lies beyond the wanted disparities is optimised but cannot win."""
 
 PATH_MARGIN = 48
 """Pixels around a window in which the paths settle before they reach it [px]; choice: a path forgets where it began
@@ -74,29 +72,35 @@ def gather(
     """Run the streaming core. Both images end at the same column; the right one may begin farther left."""
     (h, w), w_right, lanes = left.shape, right.shape[1], _lanes(n)
     stride = w_right + start + lanes
-    words_right = np.zeros((CENSUS_WORDS, h, stride), np.uint16)
-    words_right[:, :, :w_right] = census(right)[:, :, ::-1]
-    edges_right = np.zeros((4, h, stride), np.uint8)
-    edges_right[:, :, :w_right] = path_edges(right, settings)[:, :, ::-1]
     arms = support_arms(left, settings)
     found, found_right = np.full((9, h, w), -1, np.int16), np.full((3, h, stride), -1, np.int16)
     ahead = w - 1 + start
     stream_kernel(lanes)(
         census(left),
-        words_right,
+        _dealt(census(right), stride, lanes),
         np.uint64(w_right),
         np.uint64(ahead),
         arms,
         support_reciprocals(arms, COST_SCALE),
         path_edges(left, settings),
-        edges_right,
+        _dealt(path_edges(right, settings), stride, lanes).reshape(4, h, -1),
         n,
         np.array(settings.p1 + settings.p2, np.int16),
+        np.array(places(lanes), np.uint64),
         found,
         found_right,
     )
     return Evidence(found, found_right, ahead)
 
 
+def _dealt(planes: Shaped[np.ndarray, "k h w"], width: int, lanes: int) -> Shaped[np.ndarray, "k h parts pitch"]:
+    """Rows reversed, continued with zeros to `width` and dealt out to the parts of a vector of so many lanes."""
+    parts, (k, h, w) = lanes // PART, planes.shape
+    rows = np.zeros((k, h, -(-width // parts) * parts), planes.dtype)
+    rows[:, :, :w] = planes[:, :, ::-1]
+    return np.ascontiguousarray(rows.reshape(k, h, -1, parts).swapaxes(2, 3))
+
+
 def _lanes(n: int) -> int:
-    return -(-n // LANE_BLOCK) * LANE_BLOCK
+    """Full vectors for `n` disparities. What lies beyond these is optimised but cannot win."""
+    return -(-n // PART) * PART

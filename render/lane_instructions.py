@@ -3,6 +3,9 @@
 Numba has no such type, and LLVM's vectoriser neither keeps a pixel's lanes in registers from one step to the next nor
 uses the widest vectors. Written out, they become the vector instructions of whatever processor is there, whole or in
 parts; the results are the same everywhere. All arithmetic wraps at 16 bits.
+
+Lanes are dealt out like cards: with n = 32 p of them, lane d has place 32 (d mod p) + d // p. A step to the next lane
+then is a step to the same place of the next part, but for one part in p.
 """
 
 from collections.abc import Callable
@@ -13,12 +16,21 @@ from numba import types
 from numba.core.datamodel import models
 from numba.extending import intrinsic, register_model
 
-_WORD = ir.IntType(16)
+_WORD, _INDEX = ir.IntType(16), ir.IntType(64)
+
+PART = 32
+"""16-bit numbers in the widest vectors that processors have."""
+
+
+def places(n: int) -> list[int]:
+    """Place of each of `n` lanes."""
+    parts = n // PART
+    return [PART * (lane % parts) + lane // parts for lane in range(n)]
 
 
 @no_type_check
 class Lanes(types.Type):
-    """`n` signed 16-bit numbers."""
+    """`n` signed 16-bit numbers, `n` a multiple of 32."""
 
     def __init__(self, n):
         self.n = n
@@ -54,11 +66,17 @@ def _constant(n, numbers):
 
 
 @no_type_check
+def _order(sources):
+    """Which element of two vectors comes at each place of a shuffled one."""
+    return ir.Constant(ir.VectorType(ir.IntType(32), len(sources)), sources)
+
+
+@no_type_check
 def _spread(builder, word, n):
     """A vector with the same number in all lanes."""
     vector = ir.VectorType(_WORD, n)
     first = builder.insert_element(ir.Constant(vector, ir.Undefined), word, ir.Constant(ir.IntType(32), 0))
-    return builder.shuffle_vector(first, first, ir.Constant(ir.VectorType(ir.IntType(32), n), [0] * n))
+    return builder.shuffle_vector(first, first, _order([0] * n))
 
 
 @no_type_check
@@ -80,7 +98,7 @@ def _lane_numbers(typingctx, n):
     count = n.literal_value
 
     def emit(context, builder, signature, args):
-        return _constant(count, range(count))
+        return _constant(count, sorted(range(count), key=places(count).__getitem__))
 
     return Lanes(count)(n), emit
 
@@ -97,7 +115,7 @@ def _spread_word(typingctx, word, like):
 
 @no_type_check
 def _load(typingctx, array, first, like):
-    """array[first], array[first + 1] ..., as many as `like` has lanes."""
+    """Lanes in the order of their places from array[first] on, as many as `like` has."""
 
     def emit(context, builder, signature, args):
         return builder.load(_pointer(context, builder, array, args[0], args[1], like.n), align=2)
@@ -106,8 +124,32 @@ def _load(typingctx, array, first, like):
 
 
 @no_type_check
+def _load_dealt(typingctx, array, row, pitch, first, like):
+    """Numbers first, first + 1 ... of a row that has been dealt out to the parts.
+
+    Number i is array[row + i mod p * pitch + i // p], p the number of parts.
+    """
+    parts = like.n // PART
+
+    def emit(context, builder, signature, args):
+        deck, joined = ir.Constant(_INDEX, parts), _constant(like.n, [0] * like.n)
+        for part in range(parts):
+            number = builder.add(args[3], ir.Constant(_INDEX, part))
+            at = builder.add(args[1], builder.mul(builder.urem(number, deck), args[2]))
+            at = builder.add(at, builder.udiv(number, deck))
+            loaded = builder.load(_pointer(context, builder, array, args[0], at, PART), align=2)
+            repeated = builder.shuffle_vector(loaded, loaded, _order([i % PART for i in range(like.n)]))
+            keep = _order([like.n + i if i // PART == part else i for i in range(like.n)])
+            joined = builder.shuffle_vector(joined, repeated, keep)
+        return joined
+
+    index = types.uint64
+    return Lanes(like.n)(array, index, index, index, like), emit
+
+
+@no_type_check
 def _store(typingctx, array, first, lanes):
-    """Write the lanes to array[first], array[first + 1] ..."""
+    """Write lanes in the order of their places from array[first] on."""
 
     def emit(context, builder, signature, args):
         builder.store(args[2], _pointer(context, builder, array, args[0], args[1], lanes.n), align=2)
@@ -203,9 +245,10 @@ def _upper_product(typingctx, a, b):
 def _shifted(by: int) -> Callable[..., Any]:
     def typed(typingctx, a, fill):
         def emit(context, builder, signature, args):
-            order = [d + by if 0 <= d + by < a.n else a.n for d in range(a.n)]
-            mask = ir.Constant(ir.VectorType(ir.IntType(32), a.n), order)
-            return builder.shuffle_vector(args[0], _spread(builder, args[1], a.n), mask)
+            order, place = [a.n] * a.n, places(a.n)
+            for lane in range(max(0, -by), min(a.n, a.n - by)):
+                order[place[lane]] = place[lane + by]
+            return builder.shuffle_vector(args[0], _spread(builder, args[1], a.n), _order(order))
 
         return a(a, types.int16), emit
 
@@ -234,11 +277,17 @@ def _first_lane(typingctx, a):
 
 @no_type_check
 def _first_marked(typingctx, marks):
-    """The first lane that is marked; the number of lanes where none is."""
+    """The lowest lane that is marked; where none is, a number that is no lane."""
+    parts = marks.n // PART
 
     def emit(context, builder, signature, args):
-        bits = builder.bitcast(args[0], ir.IntType(marks.n))
-        return builder.trunc(builder.cttz(bits, ir.Constant(ir.IntType(1), 0)), _WORD)
+        bits, none, first = builder.bitcast(args[0], ir.IntType(marks.n)), ir.Constant(ir.IntType(1), 0), None
+        for part in range(parts):
+            of_part = builder.lshr(bits, ir.Constant(bits.type, PART * part))
+            round_ = builder.cttz(builder.trunc(of_part, ir.IntType(PART)) if parts > 1 else of_part, none)
+            lane = builder.add(builder.mul(round_, ir.Constant(round_.type, parts)), ir.Constant(round_.type, part))
+            first = lane if part == 0 else builder.select(builder.icmp_unsigned("<", lane, first), lane, first)
+        return builder.trunc(first, _WORD)
 
     return types.int16(marks), emit
 
@@ -246,6 +295,7 @@ def _first_marked(typingctx, marks):
 lane_numbers: Any = intrinsic(prefer_literal=True)(_lane_numbers)
 spread: Any = intrinsic(_spread_word)
 load: Any = intrinsic(_load)
+load_dealt: Any = intrinsic(_load_dealt)
 store: Any = intrinsic(_store)
 plus: Any = intrinsic(_of_two("add"))
 minus: Any = intrinsic(_of_two("sub"))
