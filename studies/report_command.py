@@ -9,6 +9,7 @@ import tyro
 from materials.input_error import InputError
 from studies.command_line import parse
 from studies.console import say, say_json
+from studies.sensitivity_plan import PLAN
 from studies.stored_run import stored_runs
 
 COMPARISON = "comparison.json"
@@ -20,7 +21,7 @@ class ReportCommand:
     """The flags of `franbv report`."""
 
     folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")]
-    """Output folder of a reconstruction, one case in it, or the folder of a comparison."""
+    """Output folder of a reconstruction or one case in it, or that of a study."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object as the last line of stdout."""
 
@@ -39,6 +40,10 @@ def run(args: list[str]) -> int:
 def _rebuilt_reports(folder: Path) -> list[Path]:
     if (folder / COMPARISON).is_file():
         from studies.comparison import rebuild
+
+        return [_rebuilt(rebuild, folder)]
+    if (folder / PLAN).is_file():
+        from studies.report.sensitivity_page import rebuild
 
         return [_rebuilt(rebuild, folder)]
     cases = stored_runs(folder)

@@ -9,7 +9,7 @@ import tyro
 
 from studies.cases import finished_case, prepare_output
 from studies.command_line import parse
-from studies.console import say_json, warn
+from studies.console import say, say_json, warn
 from studies.sensitivity_cases import CaseConfig, sweep_cases
 from studies.sensitivity_measurement import CASES, TWINS, CaseTask, TwinTask, do_case, do_twin
 from studies.sensitivity_plan import write_plan
@@ -43,12 +43,16 @@ def run(args: list[str]) -> int:
     wanted = sweep_cases(preset)
     workers = worker_count(command.workers)
     prepare_output(command.out)
-    plan = write_plan(command.out, preset, wanted)
+    plan = write_plan(command.out, preset.title, preset, [(case.sweep, case.config.digest) for case in wanted])
     failures = measure(command.out, [case.config for case in wanted], workers)
     for failure in failures:
         warn(f"{PROGRAM}: {failure.name}: {failure.reason}")
+    from studies.report.sensitivity_page import write_sensitivity_report
+
     tables = gather(command.out, plan.cases)
     write_tables(command.out, tables)
+    report = write_sensitivity_report(command.out, plan, tables)
+    say(f"{report}")
     figures = {**summary(tables), "failed": len(failures), "wall_s": time.perf_counter() - began}
     if command.json:
         say_json(figures)

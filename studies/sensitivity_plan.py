@@ -8,9 +8,8 @@ from typing import Any
 
 from materials.input_error import InputError
 from studies.cases import write_atomically
+from studies.config import Config
 from studies.console import strict_json
-from studies.sensitivity_cases import SweepCase
-from studies.sensitivity_preset import Preset
 from studies.single_case import versions
 
 PLAN = "study.json"
@@ -29,10 +28,9 @@ class Plan:
     versions: dict[str, str]
 
 
-def write_plan(out: Path, preset: Preset, wanted: Iterable[SweepCase]) -> Plan:
-    """Put down what is wanted before the first case is measured."""
-    cases = tuple((case.sweep, case.config.digest) for case in wanted)
-    plan = Plan(preset.title, preset.model_dump(mode="json"), cases, versions())
+def write_plan(out: Path, title: str, preset: Config, cases: Iterable[tuple[str, str]]) -> Plan:
+    """Put down what is wanted before the first case is measured; cases as in `Plan`."""
+    plan = Plan(title, preset.model_dump(mode="json"), tuple(cases), versions())
     write_atomically(out / PLAN, strict_json(vars(plan), indent=1).encode())
     return plan
 

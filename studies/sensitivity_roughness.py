@@ -16,7 +16,8 @@ from studies.estimates import Estimate, mean_share, pooled
 from studies.sensitivity_shares import Row
 
 HALF = 0.5
-"""Share of unusable pixels at which a surface counts as critical (choice: half)."""
+"""Of the largest share: where the curve has fallen so far, it bends (choice: the usual half width). Not half of all
+pixels, since even a mirror hides no more of the facing pixels than its highlight covers."""
 
 
 @dataclass(frozen=True)
@@ -34,11 +35,18 @@ class RoughnessCurve:
         return BASELINE / (2 * self.distance_m)
 
     @property
+    def bend_share(self) -> float:
+        """HALF of the largest mean share."""
+        return HALF * max(estimate.mean for _, estimate in self.points)
+
+    @property
     def measured(self) -> float | None:
-        """Largest alpha at which the mean share crosses HALF, interpolated in log alpha; None if it never does."""
+        """Alpha above which the mean share stays below HALF of its peak, interpolated in log alpha; None if it does
+        not fall so far."""
+        level = self.bend_share
         for (low, above), (high, below) in reversed(list(pairwise(self.points))):
-            if above.mean >= HALF > below.mean:
-                along = (above.mean - HALF) / (above.mean - below.mean)
+            if above.mean >= level > below.mean:
+                along = (above.mean - level) / (above.mean - below.mean)
                 return exp(log(low) + along * (log(high) - log(low)))
         return None
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from render.causes import LEGEND
+from render.causes import Cause
 from studies.run_words import percent
 from studies.sensitivity_shares import (
     Row,
@@ -28,6 +28,14 @@ FEW_FINE_PX = 64 * FEW_PX
 """The same at full resolution: a decimated pixel stands for 8 x 8."""
 SMALL_MM2 = 100.0
 """Missing surface below which a recovery is not judged [mm^2] (choice: two voxels of the map)."""
+
+KIND_WORDS = {
+    Cause.REFLECTION_DARK: "the surface sends the dots' light elsewhere and stays dark",
+    Cause.REFLECTION_SATURATED: "a highlight drowns the dots",
+    Cause.REFLECTION_DISAGREEING: "left and right see different highlights or mirror images",
+    Cause.REFLECTION_INTERREFLECTION: "light that comes by way of other surfaces covers the dots",
+}
+"""What each sub-kind of reflection does."""
 
 Rows = Sequence[Row]
 
@@ -91,7 +99,7 @@ def _blind_words(rows: Rows) -> str:
         f"reports {percent(recall(rows))}."
     )
     kind = leading_kind(rows)
-    return words + (f" Most of them ({percent(kind[1])}): {LEGEND[kind[0]].meaning}." if kind else "")
+    return words + (f" The commonest reason ({percent(kind[1])}): {KIND_WORDS[kind[0]]}." if kind else "")
 
 
 def _filled(rows: Rows) -> bool:

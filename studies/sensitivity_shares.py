@@ -71,3 +71,18 @@ def column_sum(rows: Iterable[Row], column: str) -> float:
 def column_share(rows: Iterable[Row], part: str, whole: str) -> float | None:
     """Sum of one column over that of another; None where that is nothing."""
     return share(rows, lambda row: row[part], lambda row: row[whole])
+
+
+def hole_share(rows: Iterable[Row]) -> float | None:
+    """Share of the part without depth."""
+    return share(rows, holes, part_pixels)
+
+
+def false_share(rows: Iterable[Row]) -> float | None:
+    """Share of the part with false depth."""
+    return share(rows, false_depth, part_pixels)
+
+
+def unusable_share(rows: Iterable[Row]) -> float | None:
+    """Share of the part without depth or with false depth."""
+    return share(rows, lambda row: holes(row) + false_depth(row), part_pixels)

@@ -53,6 +53,16 @@ def write_tables(out: Path, tables: Tables) -> None:
         write_rows(out / f"{name}.parquet", columns, tables.rows(name))
 
 
+def main_rows(tables: Tables) -> list[Row]:
+    """Views under the first light of their case, each once."""
+    return [row for row in _once(tables) if row["main_light"]]
+
+
+def _once(tables: Tables) -> list[Row]:
+    """Views without the repetitions of cases that two sweeps share."""
+    return list({(row["case"], row["lamps"], row["laser_mw"]): row for row in tables.views}.values())
+
+
 def summary(tables: Tables) -> dict[str, Any]:
     """The study's figures; shares are pooled over all cases, null where there is nothing to have a share of.
 
@@ -60,8 +70,8 @@ def summary(tables: Tables) -> dict[str, Any]:
     in regions against those without depth because of reflection. Recovery: of the missing surface that the regions
     signal, what the diamond poses regain, and what as many views of PB-NBV do.
     """
-    once = list({(row["case"], row["lamps"], row["laser_mw"]): row for row in tables.views}.values())
-    main = [row for row in once if row["main_light"]]
+    once = _once(tables)
+    main = main_rows(tables)
     return {
         "cases": len(main),
         "unexplained_share": column_share(once, "window_unexplained", "window_holes"),

@@ -4,8 +4,12 @@ from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
+from studies.sensitivity_preset import OWN
 from studies.sensitivity_rules import RULES, Rule
 from studies.sensitivity_shares import Row
+
+OWN_WORDS = "own materials"
+"""Of a part whose bodies keep what the real things are made of."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,13 @@ def distrusts(rows: Iterable[Row]) -> list[Distrust]:
         failures = [_distrust(str(subject), str(name), rule, cells) for rule in RULES]
         found += sorted((failure for failure in failures if failure), key=lambda failure: -failure.failing)
     return found
+
+
+def trusted(rows: Iterable[Row], found: Iterable[Distrust]) -> list[tuple[str, str]]:
+    """Subjects and surfaces that were measured and give no reason for distrust."""
+    failing = {(distrust.subject, distrust.surface) for distrust in found}
+    measured = dict.fromkeys((row["subject"], surface(row)) for row in rows if row["main_light"] and surface(row))
+    return [pair for pair in measured if pair not in failing]
 
 
 def surface(row: Row) -> str | None:
@@ -68,26 +79,31 @@ def _distinct(rows: Iterable[Row], column: str) -> list:
 
 
 def metal_words(failing: Sequence[str | None], measured: Sequence[str | None]) -> str:
-    """`all 12 metals`, or up to four by name, or how many and which not; empty for materials that are no metals."""
+    """`all 12 metals`, up to four by name, or how many and which not; empty for materials that are no metals."""
     if measured == [None]:
         return ""
     if len(failing) == len(measured) > 1:
-        return f"all {len(measured)} metals"
+        return f"{every(len(measured))} metals"
     if len(failing) <= 4:
         return ", ".join(map(spoken, failing))
     others = [spoken(metal) for metal in measured if metal not in failing]
     return f"{len(failing)} of {len(measured)} metals (not {', '.join(others)})"
 
 
+def every(n: int) -> str:
+    """`both`, `all 3`."""
+    return "both" if n == 2 else f"all {n}"
+
+
 def spoken(name: str | None) -> str:
     """A name of the catalogue in words."""
-    return (name or "").replace("_", " ")
+    return OWN_WORDS if name == OWN else (name or "").replace("_", " ")
 
 
 def angle_words(failing: Sequence[float], measured: Sequence[float]) -> str:
     """`all 8 angles`, `20 to 60 deg` for neighbours among the measured angles, `0 and 60 deg` for others."""
     if len(failing) == len(measured) > 1:
-        return f"all {len(measured)} angles"
+        return f"{every(len(measured))} angles"
     places = [measured.index(angle) for angle in failing]
     runs = []
     for _, run in groupby(enumerate(places), key=lambda pair: pair[1] - pair[0]):

@@ -63,8 +63,9 @@ def _measured(curve: RoughnessCurve, x: svg.Scale, y: svg.Scale) -> Markup:
     if alpha is None:
         return Markup("")
     place = x(log10(alpha))
-    mark = svg.element("circle", cx=place, cy=y(50), r=6, klass="crossing")
+    height = y(100 * curve.bend_share)
+    mark = svg.element("circle", cx=place, cy=height, r=6, klass="crossing")
     return svg.join(
-        svg.marked(mark, f"half of the pixels at alpha {alpha:.3f}"),
-        svg.text(place + 10, y(50) - 8, f"{alpha:.3f}", "tick-label strong"),
+        svg.marked(mark, f"half of the peak at alpha {alpha:.3f}"),
+        svg.text(place + 10, height - 8, f"{alpha:.3f}", "tick-label strong"),
     )

@@ -46,10 +46,10 @@ def test_twins_are_shared_by_all_metals():
 def test_plan_comes_back(tmp_path: Path):
     """What a study was asked for is read back from its folder, case by case."""
     preset = load_preset("quick")
-    wanted = sweep_cases(preset)
-    written = write_plan(tmp_path, preset, wanted)
+    cases = [(case.sweep, case.config.digest) for case in sweep_cases(preset)]
+    written = write_plan(tmp_path, preset.title, preset, cases)
     assert read_plan(tmp_path) == written
-    assert [case for _, case in written.cases] == [case.config.digest for case in wanted]
+    assert written.cases == tuple(cases)
 
 
 BAD = {

@@ -1,0 +1,87 @@
+"""What a sensitivity study found, in the few sentences at the head of its report."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from studies.run_words import counted, percent
+from studies.sensitivity_roughness import RoughnessCurve
+from studies.sensitivity_rules import KIND_WORDS, hidden
+from studies.sensitivity_shares import Row, leading_kind, unusable_share
+from studies.sensitivity_trust import spoken, surface, together
+
+ROUGH_ENOUGH = 0.1
+"""Share of unusable surface below which a finish counts as harmless (choice: a tenth, as in the list of distrust)."""
+
+
+def findings(figures: dict[str, Any], main: Sequence[Row], curves: Sequence[RoughnessCurve]) -> str:
+    """One paragraph. main: rows of all cases under their first light; figures: the study's summary."""
+    sentences = [_measured(figures, main), _finishes(main), _detector(figures, main), _recovery(figures, main)]
+    return " ".join(sentence for sentence in [*sentences, roughness_words(curves)] if sentence)
+
+
+def _measured(figures: dict[str, Any], main: Sequence[Row]) -> str:
+    materials = len({row["material"] for row in main})
+    words = (
+        f"Over {counted(figures['cases'], 'view')} of {counted(materials, 'material')}, "
+        f"{percent(figures['hole_share'])} of the surface has no depth "
+        f"and {percent(figures['false_depth_share'])} a false one."
+    )
+    kind = leading_kind(main)
+    if kind is None:
+        return words
+    return (
+        f"{words} Where reflection takes it, the commonest reason ({percent(kind[1])}) is that {KIND_WORDS[kind[0]]}."
+    )
+
+
+def _finishes(main: Sequence[Row]) -> str:
+    """Which finishes of the plate break the depth, and which do not."""
+    plate = [row for row in main if row["subject"] == "plate" and row["finish"]]
+    shares = {name: unusable_share(group) or 0.0 for name, group in together(plate, surface).items()}
+    if not shares:
+        return ""
+    bad = sorted((name for name in shares if shares[name] >= ROUGH_ENOUGH), key=lambda name: -shares[name])
+    good = [name for name in shares if shares[name] < ROUGH_ENOUGH]
+    parts = []
+    if bad:
+        parts.append("On the plate these finishes lose or falsify a tenth of their depth or more: "
+                     + ", ".join(f"{spoken(name)} ({percent(shares[name])})" for name in bad) + ".")  # fmt: skip
+    if good:
+        parts.append(
+            "These stay below: " + ", ".join(f"{spoken(name)} ({percent(shares[name])})" for name in good) + "."
+        )
+    return " ".join(parts)
+
+
+def _detector(figures: dict[str, Any], main: Sequence[Row]) -> str:
+    if figures["detection_recall"] is None:
+        return ""
+    words = (
+        f"Decimation fills {percent(hidden(main))} of the reflective holes before the detector looks; "
+        f"of those that are left it reports {percent(figures['detection_recall'])}"
+    )
+    right = figures["detection_precision"]
+    return words + ("." if right is None else f", and {percent(right)} of what it reports is reflective.")
+
+
+def _recovery(figures: dict[str, Any], main: Sequence[Row]) -> str:
+    if figures["recovered_share"] is None:
+        return ""
+    recovered = [row for row in main if row["missing_mm2"]]
+    ahead = sum(row["regained_mm2"] > row["pb_regained_mm2"] for row in recovered)
+    behind = sum(row["regained_mm2"] < row["pb_regained_mm2"] for row in recovered)
+    return (
+        f"The recovery poses regain {percent(figures['recovered_share'])} of the missing surface that the largest "
+        f"region signals, as many views of PB-NBV {percent(figures['pb_recovered_share'])}; "
+        f"recovery is ahead in {ahead} of {counted(len(recovered), 'case')} and behind in {behind}."
+    )
+
+
+def roughness_words(curves: Sequence[RoughnessCurve]) -> str:
+    """Where the bends lie beside the theory."""
+    bends = [
+        f"{curve.measured:.3f} at {curve.distance_m:g} m (B / 2Z = {curve.theory:.3f})"
+        for curve in curves
+        if curve.measured is not None
+    ]
+    return f"The critical roughness lies at alpha = {' and '.join(bends)}." if bends else ""
