@@ -167,7 +167,7 @@ class SimulatedD435i:
         return Window(left * f, top * f, width * f, height * f)
 
     def changed(
-        self, scene: Scene | None = None, imager: ImagerSettings | None = None, **sampling: bool | int
+        self, scene: Scene | None = None, imager: ImagerSettings | None = None, **sampling: int | float
     ) -> "SimulatedD435i":
         """The same camera with one thing changed, its seed and so its noise kept.
 

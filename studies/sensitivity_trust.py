@@ -42,8 +42,8 @@ def distrusts(rows: Iterable[Row]) -> list[Distrust]:
 def trusted(rows: Iterable[Row], found: Iterable[Distrust]) -> list[tuple[str, str]]:
     """Subjects and surfaces that were measured and give no reason for distrust."""
     failing = {(distrust.subject, distrust.surface) for distrust in found}
-    measured = dict.fromkeys((row["subject"], surface(row)) for row in rows if row["main_light"] and surface(row))
-    return [pair for pair in measured if pair not in failing]
+    judged = [(row["subject"], surface(row)) for row in rows if row["main_light"]]
+    return [(subject, name) for subject, name in dict.fromkeys(judged) if name and (subject, name) not in failing]
 
 
 def surface(row: Row) -> str | None:
