@@ -68,7 +68,7 @@ def reflective_holes(labels: Labels) -> Bool[np.ndarray, "h_d w_d"]:
     return is_of(labels.cause_decimated, "reflection")
 
 
-def missing_patches(camera: SimulatedD435i, labels: Labels) -> tuple[Int[np.ndarray, "n"], ...]:
+def missing_patches(camera: SimulatedD435i, labels: Labels) -> tuple[Int[np.ndarray, "_"], ...]:
     """Flat full-resolution pixels of each connected reflective hole, the one with most pixels first.
 
     Decimated pixels are connected over sides and corners; of each only the source pixels count that are themselves lost
@@ -79,11 +79,3 @@ def missing_patches(camera: SimulatedD435i, labels: Labels) -> tuple[Int[np.ndar
     sources, lost = block_pixels(camera), is_of(labels.cause, "reflection").ravel()
     patches = [sources[components == k].ravel() for k in range(1, components.max() + 1)]
     return tuple(sorted((patch[lost[patch]] for patch in patches), key=len, reverse=True))
-
-
-def patches_under(camera: SimulatedD435i, labels: Labels, found: Bool[np.ndarray, "h_d w_d"]) -> Int[np.ndarray, "n"]:
-    """Flat full-resolution pixels of all reflective holes of which a decimated pixel is found: what a region that was
-    detected at these pixels ought to recover."""
-    sources = np.unique(block_pixels(camera)[found])
-    touched = [patch for patch in missing_patches(camera, labels) if np.isin(patch, sources).any()]
-    return np.concatenate([np.zeros(0, int), *touched])

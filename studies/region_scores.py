@@ -86,7 +86,7 @@ def _inside(chosen: Bool[np.ndarray, "k"], pixels: Int[np.ndarray, "k"], count: 
 
 
 def _region_score(
-    surface: Surface, box: Bool[np.ndarray, "n"], patches: Sequence[Int[np.ndarray, "p"]], in_front: float
+    surface: Surface, box: Bool[np.ndarray, "n"], patches: Sequence[Int[np.ndarray, "_"]], in_front: float
 ) -> RegionScore:
     found = float(surface.areas[box].sum())
     scores = [

@@ -29,7 +29,7 @@ def sources(v: int, u: int) -> list[tuple[int, int]]:
     return [(TOP + v * BLOCK + i, LEFT + u * BLOCK + j) for i in rows for j in columns]
 
 
-def stages(labels: Any, detection: Any) -> dict[str, tuple[int, int, int]]:
+def stages(labels: Any, detection: Any) -> dict[str, tuple[int, ...]]:
     """Found, true and both after each filter and all before it, then after location and clustering."""
     clustered = {
         (v, u) for (u, v), k in zip(detection.pixels.tolist(), detection.labels.tolist(), strict=True) if k >= 0
@@ -51,7 +51,7 @@ def stages(labels: Any, detection: Any) -> dict[str, tuple[int, int, int]]:
     return {name: tuple(values) for name, values in counts.items()}
 
 
-def fates(labels: Any) -> dict[str, tuple[int, int, int]]:
+def fates(labels: Any) -> dict[str, tuple[int, ...]]:
     """What becomes of reflective holes and of false depths: pixels in blocks without, with false, with right depth."""
     found = {"holes": [0, 0, 0], "false": [0, 0, 0]}
     for v in range(HEIGHT):
@@ -177,7 +177,7 @@ def mean_angles(surface: Any, before: Any, now: Any) -> tuple[float, float]:
     return incidence / float(surface.areas.sum()), turn / float(surface.areas.sum())
 
 
-def lost_between(counts: dict[str, tuple[int, int, int]]) -> dict[str, int]:
+def lost_between(counts: dict[str, tuple[int, ...]]) -> dict[str, int]:
     """Reflective pixels that each stage loses."""
     return {name: before[2] - now[2] for (_, before), (name, now) in pairwise(counts.items())}
 
