@@ -95,10 +95,12 @@ def gather(
 
 def _dealt(planes: Shaped[np.ndarray, "k h w"], width: int, lanes: int) -> Shaped[np.ndarray, "k h parts pitch"]:
     """Rows reversed, continued with zeros to `width` and dealt out to the parts of a vector of so many lanes."""
-    parts, (k, h, w) = lanes // PART, planes.shape
-    rows = np.zeros((k, h, -(-width // parts) * parts), planes.dtype)
-    rows[:, :, :w] = planes[:, :, ::-1]
-    return np.ascontiguousarray(rows.reshape(k, h, -1, parts).swapaxes(2, 3))
+    parts, (k, h, _) = lanes // PART, planes.shape
+    dealt = np.zeros((k, h, parts, -(-width // parts)), planes.dtype)
+    for part in range(parts):
+        row = planes[:, :, ::-1][:, :, part::parts]
+        dealt[:, :, part, : row.shape[2]] = row
+    return dealt
 
 
 def _lanes(n: int) -> int:
