@@ -72,7 +72,8 @@ def contrast(image: Float32[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
     """Standard deviation of the grey values in the window around each pixel, even shading taken off [DN]."""
     size = (CENSUS_PX, CENSUS_PX)
     detail = image - cv2.blur(image, size)
-    return np.sqrt(cv2.blur(detail**2, size))
+    # OpenCV's running sums leave rounding below zero where all is equal.
+    return np.sqrt(np.maximum(cv2.blur(detail**2, size), 0))
 
 
 def white_share(image: Float32[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:

@@ -13,9 +13,11 @@ from scipy.spatial.transform import RigidTransform
 from franbv.frames import Intrinsics
 from render.d435i import Measurement, SensorSettings, SimulatedD435i
 from render.decimation import crop_centre
+from render.labels import label_frame
 from render.mitsuba_scene import NO_BODY
 from render.truth import Truth
 from studies.cases import write_atomically
+from studies.cause_files import colour_map, decimated_map, legend, legend_picture
 from studies.command_line import parse_case_command
 from studies.console import say, say_json, strict_json, warn
 from studies.images import MM, millimetres, write_exr, write_png
@@ -24,7 +26,7 @@ from studies.single_case import made_once, versions
 from studies.subject import Subject, SubjectSettings, build_subject, resolved
 
 META = "meta.json"
-HELP = "Take one frame of a part and write its infrared pair, its depth and the truth behind every pixel."
+HELP = "Take one frame of a part and write its infrared pair, its depth, and the truth and the cause of every hole."
 
 LAYERS = {
     "infra1.png": "left infrared image [DN]",
@@ -34,6 +36,11 @@ LAYERS = {
     "truth_depth.exr": "true Z-depth, channel Y [m], 0 = nothing there",
     "incidence.exr": "true angle between surface normal and view ray, channel Y [rad], NaN = nothing there",
     "part.png": "1 + number of the body in `bodies`, 0 = nothing there",
+    "cause.png": "why each pixel has no depth or a false one, in the colours of legend.png [red, green, blue]",
+    "cause_id.png": "the same by number, see legend.json",
+    "cause_id_{size}.png": "the same by number after decimation and crop",
+    "legend.png": "colour, name and meaning of every cause [red, green, blue]",
+    "legend.json": "number, name, colour and meaning of every cause, and how many pixels have it",
 }
 """Files of a frame beside META, and what they hold. `{size}` is 60x40 with the default sensor."""
 
@@ -72,13 +79,17 @@ def write_frame(folder: Path, config: FrameSettings, subject: Subject, pose: Rig
     measurement, truth = camera.measure(pose, 1), camera.truth(pose)
     depth = millimetres(measurement.depths[0])
     reduced, reduced_intrinsics = reduced_depth(measurement, config.sensor)
-    images = (measurement.lefts[0], measurement.rights[0], depth, reduced, None, None, truth_ids(truth))
+    labels = label_frame(camera, pose, measurement, truth=truth)
+    small_causes = decimated_map(labels, measurement.burst.intrinsics, config.sensor.crop)
+    causes = (colour_map(labels.picture), labels.picture, small_causes, legend_picture(), None)
+    images = (measurement.lefts[0], measurement.rights[0], depth, reduced, None, None, truth_ids(truth), *causes)
     files = layer_files(config.sensor)
     for file, image in zip(files, images, strict=True):
         if image is not None:
             write_png(folder / file, image)
     write_exr(folder / "truth_depth.exr", truth.depth, "Y")
     write_exr(folder / "incidence.exr", truth.incidence, "Y")
+    write_atomically(folder / "legend.json", strict_json(legend(labels), indent=1).encode())
     part = part_mask(truth, subject)
     meta = {
         "command": "frame",

@@ -90,6 +90,26 @@ def test_meta_holds_pose_intrinsics_and_units(out: Path):
     assert meta["bodies"][0]["material"]
 
 
+def test_every_invalid_pixel_has_a_cause_with_a_colour(out: Path):
+    """Where depth is 0 the map of causes names one of missing depth, elsewhere none; the picture shows the legend's
+    colours; a matte plate loses nothing to reflection. The same at the planner's resolution."""
+    by_code = {entry["code"]: entry for entry in json.loads((out / "legend.json").read_text())}
+    missing = [code for code in by_code if 0 < code < 20]
+    for depth_file, cause_file in (("depth.png", "cause_id.png"), ("depth_60x40.png", "cause_id_60x40.png")):
+        depth, causes = (cv2.imread(str(out / file), cv2.IMREAD_UNCHANGED) for file in (depth_file, cause_file))
+        assert depth is not None
+        assert causes is not None
+        assert np.array_equal(np.isin(causes, missing), depth == 0)
+    causes, colours = cv2.imread(str(out / "cause_id.png"), cv2.IMREAD_UNCHANGED), cv2.imread(str(out / "cause.png"))
+    assert causes is not None
+    assert colours is not None
+    for code in np.unique(causes).tolist():
+        assert np.all(colours[causes == code] == by_code[code]["colour"][::-1])
+        assert by_code[code]["pixels"] == np.count_nonzero(causes == code)
+        assert by_code[code]["cause"] != "reflection"
+    assert (out / "legend.png").is_file()
+
+
 def test_same_command_finds_the_frame(out: Path, capsys: pytest.CaptureFixture[str]):
     """No second rendering: the same folder, and the summary as one JSON object on the last line."""
     assert main([*ARGS, "--out", str(out), "--json"]) == 0
