@@ -1,4 +1,4 @@
-"""Time of one full sensor burst at 640x360, whole and by stage, and of the whole reconstruction of part D."""
+"""Time of one full sensor burst at 640x360, whole and by stage, of matching, and of the reconstruction of part D."""
 
 import json
 import resource
@@ -6,10 +6,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import cv2
 import pytest
 
 from franbv.candidates import first_view
 from franbv.parameters import Parameters
+from render.d4_matcher import D4Matcher
 from render.d435i import SimulatedD435i
 from scenes.build import part_scene
 from tests.benchmarks.stopwatch import Stopwatch
@@ -34,6 +36,26 @@ def test_burst(camera: SimulatedD435i, stopwatch: Stopwatch):
     stopwatch.time("  of which both layers of both imagers", lambda: camera.render(pose))
     stopwatch.time("  of which exposure, matching, decimation", lambda: camera.expose(pose, *layers, N_FRAMES))
     stopwatch.time("truth maps", lambda: camera.truth(pose))
+
+
+def test_matcher(camera: SimulatedD435i, stopwatch: Stopwatch):
+    """One pair on one core, the D4-like matcher beside OpenCV's StereoSGBM with 3 and with all 8 paths.
+
+    Ratios are of processor times: those of one run on one machine compare, whatever else it does.
+    """
+    pair = camera.measure(first_view(Parameters(), 0.0), 1)
+    left, right = pair.lefts[0], pair.rights[0]
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        d4 = stopwatch.time("one pair, D4-like matcher", lambda: D4Matcher().match(left, right), n=9, goal=0.05)
+        for name, mode in (("3-way", cv2.STEREO_SGBM_MODE_SGBM_3WAY), ("8-path", cv2.STEREO_SGBM_MODE_HH)):
+            sgbm = cv2.StereoSGBM.create(numDisparities=128, blockSize=5, P1=200, P2=800, mode=mode)
+            other = stopwatch.time(f"  the same, StereoSGBM {name}", lambda sgbm=sgbm: sgbm.compute(left, right), n=9)
+            ratio = min(d4.cpu_seconds) / min(other.cpu_seconds)
+            stopwatch.note(f"D4-like matcher over StereoSGBM {name}: {ratio:.2f} (processor time, least of 9)")
+    finally:
+        cv2.setNumThreads(threads)
 
 
 def test_reconstruction_of_part_d(stopwatch: Stopwatch, tmp_path):
