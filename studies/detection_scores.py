@@ -12,12 +12,12 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.reflective_regions import Detection
 from render.burst_outcome import blocks
-from render.causes import GROUPS, Cause, is_of
+from render.causes import Cause, is_of
 from render.d435i import SimulatedD435i
 from render.labels import Labels
 from render.truth import Truth
 from studies.missing_surface import reflective_holes
-from studies.pixel_scores import PixelScore, pixel_score, share
+from studies.pixel_scores import PixelScore, pixel_score
 from studies.region_scores import PatchScore, RegionScore, score_regions
 
 LOCATED = "located"
@@ -52,16 +52,6 @@ class HiddenByDecimation:
     false_depths: Fates
     """Of those whose depth is false because of reflection."""
 
-    @property
-    def hidden_hole_share(self) -> float:
-        """Share of the reflective holes that lie in blocks with depth; NaN if there are no holes."""
-        return share(self.reflective_holes.total - self.reflective_holes.hole, self.reflective_holes.total)
-
-    @property
-    def hidden_false_share(self) -> float:
-        """Share of the false depths that lie in blocks whose depth is not false; NaN if there are none."""
-        return share(self.false_depths.total - self.false_depths.false_depth, self.false_depths.total)
-
 
 @dataclass(frozen=True, eq=False)
 class DetectionScores:
@@ -69,10 +59,6 @@ class DetectionScores:
 
     stages: dict[str, PixelScore]
     """After each filter and all before it, in order, by name; then LOCATED and GROUPED."""
-    alone: dict[str, PixelScore]
-    """Each image filter by itself."""
-    found_causes: dict[str, int]
-    """Pixels in regions by what they truly are: a cause's group, or `measured`."""
     regions: tuple[RegionScore, ...]
     patches: tuple[PatchScore, ...]
     hidden: HiddenByDecimation
@@ -92,12 +78,9 @@ def score_detection(
 ) -> DetectionScores:
     """Score what was detected in a burst; truth and labels are those of the same pose and burst."""
     true = reflective_holes(labels)
-    found = in_a_region(detection)
     regions, patches = score_regions(camera, T_world_cam, truth, labels, detection)
     return DetectionScores(
         {name: pixel_score(mask, true) for name, mask in stage_masks(detection).items()},
-        {name: pixel_score(mask, true) for name, mask in detection.masks.items()},
-        {name: int(is_of(labels.cause_decimated[found], name).sum()) for name in ("measured", *GROUPS)},
         regions,
         patches,
         hidden_by_decimation(camera, labels),

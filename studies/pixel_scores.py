@@ -1,4 +1,4 @@
-"""How well one set of pixels finds another: counts, which add up over frames, and the shares they give."""
+"""How well one set of pixels finds another: counts, and the shares they give."""
 
 from dataclasses import dataclass
 
@@ -13,9 +13,6 @@ class PixelScore:
     n_found: int
     n_true: int
     n_both: int
-
-    def __add__(self, other: "PixelScore") -> "PixelScore":
-        return PixelScore(self.n_found + other.n_found, self.n_true + other.n_true, self.n_both + other.n_both)
 
     @property
     def precision(self) -> float:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from render.causes import GROUPS, HOLES, Cause, members
+from render.causes import HOLES, Cause, members
 from studies.estimates import pooled
 from studies.sensitivity_columns import FALSE_DEPTHS, cause_column
 
@@ -19,12 +19,6 @@ def holes(row: Row) -> int:
 def false_depth(row: Row) -> int:
     """Pixels of the part with false depth."""
     return sum(row[cause_column(cause)] for cause in FALSE_DEPTHS)
-
-
-def of_cause(group: str) -> Counted:
-    """Pixels of the part that are missing for this cause, its sub-kinds together."""
-    columns = [cause_column(cause) for cause in members(group)]
-    return lambda row: sum(row[column] for column in columns)
 
 
 def reflection_holes(row: Row) -> int:
@@ -56,11 +50,6 @@ def leading_kind(rows: Sequence[Row]) -> tuple[Cause, float] | None:
         return None
     cause = max(counts, key=lambda c: counts[c])
     return cause, counts[cause] / total
-
-
-def cause_shares(rows: Sequence[Row]) -> dict[str, float | None]:
-    """Share of every group of causes in the missing pixels of the part."""
-    return {group: share(rows, of_cause(group), holes) for group in GROUPS}
 
 
 def column_sum(rows: Iterable[Row], column: str) -> float:
