@@ -2,6 +2,7 @@
 
 import json
 import time
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -20,6 +21,7 @@ from studies.comparison_statistics import Comparison
 from studies.comparison_summary import json_summary, paragraph
 from studies.config import load_config
 from studies.console import say, say_json, strict_json, warn
+from studies.link_change import LINKS
 from studies.planning_speed import SPEED, SpeedTask, measure_speed
 from studies.report.comparison_page import write_comparison_report
 from studies.report_command import COMPARISON
@@ -43,6 +45,8 @@ class ComparisonCommand:
     """What to run: a preset, or a YAML file of your own."""
     ablations: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME...")] = ()
     """Ablations to run beside it; `all` for all of them."""
+    links: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME...")] = ()
+    """Links before the planner to change, one at a time; `all` for all of them."""
     workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Worker processes; the default is one for each processor."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
@@ -53,7 +57,9 @@ def run(args: list[str]) -> int:
     """Run what is missing, then build table and report from all runs; exit status 1 when runs failed."""
     began = time.perf_counter()
     command = parse(ComparisonCommand, args, PROGRAM, HELP)
-    preset = with_ablations(load_preset(command.preset), command.ablations)
+    preset = load_preset(command.preset)
+    preset = with_named(preset, "ablations", command.ablations, ABLATIONS)
+    preset = with_named(preset, "links", command.links, LINKS)
     workers = worker_count(command.workers)
     runs = planned_runs(preset)
     check_runs(runs)
@@ -69,13 +75,13 @@ def run(args: list[str]) -> int:
     return 1 if failures else 0
 
 
-def with_ablations(preset: Preset, names: tuple[str, ...]) -> Preset:
-    """The preset with these ablations instead of its own, if any are named."""
-    names = tuple(ABLATIONS) if "all" in names else names
+def with_named(preset: Preset, field: str, names: tuple[str, ...], known: Mapping[str, Any]) -> Preset:
+    """The preset with these ablations or links instead of its own, if any are named."""
+    names = tuple(known) if "all" in names else names
     for name in names:
-        if name not in ABLATIONS:
-            raise InputError(f"ablation {name}: there is none; {suggest(name, ABLATIONS)}")
-    return preset.model_copy(update={"ablations": tuple(dict.fromkeys(names))}) if names else preset
+        if name not in known:
+            raise InputError(f"--{field} {name}: there is none; {suggest(name, known)}")
+    return preset.model_copy(update={field: tuple(dict.fromkeys(names))}) if names else preset
 
 
 def reconstruct_all(out: Path, preset: Preset, runs: list[PlannedRun], workers: int) -> list[Failure]:

@@ -10,6 +10,8 @@ from materials.input_error import InputError
 from studies.ablation import ABLATIONS, Ablation
 from studies.cases import case_digest, finished_case, writing
 from studies.comparison_preset import CORNER, Preset
+from studies.link_change import LINKS, arm_name
+from studies.link_change import PLANNERS as PAIR
 from studies.reconstruct import ReconstructSettings, check_workspace, simulate
 from studies.run_case import COMMAND, ablated
 from studies.shared_captures import SharedCaptures
@@ -29,7 +31,7 @@ class PlannedRun:
     part: str
     """Part, or the inside corner."""
     arm: str
-    """Planner as it is, or name of an ablation."""
+    """Planner as it is, name of an ablation, or planner and changed link."""
     run: int
     """Number of the start; equal numbers start alike."""
     config: ReconstructSettings
@@ -60,8 +62,12 @@ def planned_runs(preset: Preset) -> list[PlannedRun]:
     Of a start, one arm after the other goes over the parts: neighbours in the list, which are made at the same time,
     have no burst in common, while later arms find those of earlier ones.
     """
-    arms = [*preset.planners, *preset.ablations]
-    planned = [*_of_planners(preset), *_of_ablations(preset)]
+    arms = [
+        *preset.planners,
+        *preset.ablations,
+        *(arm_name(planner, link) for link in preset.links for planner in PAIR),
+    ]
+    planned = [*_of_planners(preset), *_of_ablations(preset), *_of_links(preset)]
     return sorted(planned, key=lambda planned: (planned.run, arms.index(planned.arm)))
 
 
@@ -73,13 +79,26 @@ def _of_planners(preset: Preset) -> Iterator[PlannedRun]:
 
 
 def _of_ablations(preset: Preset) -> Iterator[PlannedRun]:
-    n = min(preset.ablation_runs, preset.runs)
-    starts = [k * preset.runs // n for k in range(n)]
     for part in preset.ablated_parts:
         for name in preset.ablations:
-            for run in starts:
+            for run in _some_starts(preset):
                 _, planner, change = ABLATIONS[name]
                 yield PlannedRun(part, name, run, run_settings(preset, part, planner, run, change))
+
+
+def _of_links(preset: Preset) -> Iterator[PlannedRun]:
+    for part in preset.ablated_parts:
+        for link in preset.links:
+            for planner in PAIR:
+                for run in _some_starts(preset):
+                    config = LINKS[link].changed(run_settings(preset, part, planner, run, Ablation()))
+                    yield PlannedRun(part, arm_name(planner, link), run, config)
+
+
+def _some_starts(preset: Preset) -> list[int]:
+    """The starts of ablations and changed links: in even steps around the part."""
+    n = min(preset.ablation_runs, preset.runs)
+    return [k * preset.runs // n for k in range(n)]
 
 
 def run_settings(preset: Preset, part: str, planner: str, run: int, ablation: Ablation) -> ReconstructSettings:
@@ -129,8 +148,8 @@ def do_run(task: RunTask) -> None:
 
 def check_runs(runs: list[PlannedRun]) -> None:
     """InputError now for what would fail in every worker: lamps, materials, parts that the mapped box does not hold."""
-    for part in {planned.part for planned in runs}:
-        config = next(planned.config for planned in runs if planned.part == part)
+    subjects = {(planned.part, planned.config.material, planned.config.lamps): planned.config for planned in runs}
+    for config in subjects.values():
         check_workspace(build_subject(config).scene, config.parameters)
     if not runs:
         raise InputError("the comparison has no runs; name parts and planners")

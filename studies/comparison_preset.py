@@ -13,6 +13,7 @@ from render.d435i import SensorSettings
 from scenes.parts import PART_NAMES
 from studies.ablation import ABLATIONS
 from studies.config import Config, load_config
+from studies.link_change import LINKS
 from studies.subject import check_sensor
 
 PRESETS = ("quick", "paper")
@@ -40,8 +41,11 @@ class Preset(Config):
     """Ablations by name, each with its planner on `ablated_parts`."""
     ablated_parts: tuple[str, ...] = ("C", "D")
     """Choice: the parts on which recoveries are many."""
+    links: tuple[str, ...] = ()
+    """Links before the planner that are changed, by name, each with FRA and PB on `ablated_parts`."""
     ablation_runs: Count = 5
-    """Runs of each ablation on each of these parts, the first of those above in even steps (choice: a third)."""
+    """Runs of each ablation and of each changed link on each of these parts, of those above in even steps (choice: a
+    third)."""
     seed: Annotated[int, Field(ge=0)] = 0
     """Root of all randomness."""
     lamps: str = "workshop"
@@ -59,12 +63,13 @@ class Preset(Config):
             (self.parts, PART_NAMES),
             (self.ablated_parts, PART_NAMES),
             (self.ablations, tuple(ABLATIONS)),
+            (self.links, tuple(LINKS)),
         ):
             for word in words:
                 if word not in known:
-                    raise ValueError(f"parts or ablations: there is no {word}; {suggest(word, known)}")
+                    raise ValueError(f"parts, ablations or links: there is no {word}; {suggest(word, known)}")
             if len(set(words)) < len(words):
-                raise ValueError(f"parts or ablations: {max(words, key=words.count)} stands there twice")
+                raise ValueError(f"parts, ablations or links: {max(words, key=words.count)} stands there twice")
         if not (self.parts or self.corner):
             raise ValueError("nothing to reconstruct; name parts, or a material for the corner")
         check_sensor(self.sensor)

@@ -17,6 +17,7 @@ from studies.planning_speed import SPEED
 from studies.report.comparison_tables import (
     ablation_rows,
     arm_rows,
+    changed_link_rows,
     difference_rows,
     loss_rows,
     overhead_words,
@@ -84,6 +85,7 @@ def comparison_html(
             speed=speed_figure(speed["rows"]) if speed else None,
             speed_words=speed_words(speed["rows"]) if speed else "",
             ablations=ablation_rows(comparison, preset.ablated_parts, ABLATIONS),
+            changed_links=changed_link_rows(comparison, preset.ablated_parts),
             failures=failures,
             config=list(flattened(preset.model_dump(mode="json"))),
             style=asset("style.css") + asset("comparison.css"),

@@ -7,6 +7,7 @@ import numpy as np
 
 from studies.ablation import NamedAblation
 from studies.comparison_statistics import Comparison, Quartiles
+from studies.link_change import LINKS, arm_name
 from studies.paired_statistics import Interval
 from studies.paper_results import ITERATION_S, paper_ratio
 from studies.report.speed_figure import decision_s
@@ -146,6 +147,35 @@ def ablation_rows(
                         "activations": signed(found["recovery_activations"]),
                     }
                 )
+    return rows
+
+
+def changed_link_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[str, Any]]:
+    """FRA and PB under each changed link that has runs, after the same starts with nothing changed."""
+    rows = []
+    for part in parts:
+        changed = [
+            (link.words, *(arm_name(planner, name) for planner in ("fra", "pb")))
+            for name, link in LINKS.items()
+            if comparison.pairs(part, arm_name("fra", name), arm_name("pb", name))
+        ]
+        for words, fra, pb in [("nothing changed", "fra", "pb"), *changed] if changed else []:
+            activations = comparison.figure(part, fra, "recovery_activations")
+            rows.append(
+                {
+                    "part": part,
+                    "words": words,
+                    "fra": mean(comparison.figure(part, fra, "coverage_5mm"), POINTS, ".1f"),
+                    "pb": mean(comparison.figure(part, pb, "coverage_5mm"), POINTS, ".1f"),
+                    "fra_filtered": mean(comparison.figure(part, fra, "filtered_coverage_5mm"), POINTS, ".1f"),
+                    "pb_filtered": mean(comparison.figure(part, pb, "filtered_coverage_5mm"), POINTS, ".1f"),
+                    "pairs": len(comparison.pairs(part, fra, pb)),
+                    "end": comparison.difference(part, fra, pb),
+                    "acquisitions": comparison.difference(part, fra, pb, "acquisitions"),
+                    "activations": mean(activations, 1.0, ".1f"),
+                    "contribution": mean(comparison.figure(part, fra, "recovery_share"), POINTS, ".0f"),
+                }
+            )
     return rows
 
 

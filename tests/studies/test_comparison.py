@@ -13,12 +13,14 @@ from franbv.parameters import Parameters
 from studies import comparison, planning_speed
 from studies.ablation import ABLATIONS
 from studies.cli import main
-from studies.comparison import with_ablations
+from studies.comparison import with_named
 from studies.comparison_cases import RUNS, PlannedRun, jobs, planned_runs, seed_at
 from studies.comparison_preset import CORNER, Preset, load_preset
+from studies.link_change import LINKS, arm_name
 from studies.paper_results import ITERATION_S
 from studies.planning_speed import SPEED, SpeedTask, measure_speed, resampled, stored_bursts, with_voxels
 from studies.report.comparison_page import comparison_html
+from studies.report.page import flattened
 from studies.run_case import RunSettings
 from studies.workers import Failure
 from tests.studies.analytic_ball import reconstruct_ball
@@ -58,7 +60,7 @@ def test_neighbours_have_no_burst_in_common():
 
 def test_each_ablation_is_run_from_the_starts_of_the_whole_method():
     """On C and D, a third of the starts, each with its planner and the one change."""
-    preset = with_ablations(load_preset("paper"), ("all",))
+    preset = with_named(load_preset("paper"), "ablations", ("all",), ABLATIONS)
     runs = [run for run in planned_runs(preset) if run.arm in ABLATIONS]
     assert len(runs) == len(ABLATIONS) * 2 * 5
     whole = {(run.part, run.arm, run.run): run.config for run in planned_runs(preset) if run.arm not in ABLATIONS}
@@ -71,12 +73,46 @@ def test_each_ablation_is_run_from_the_starts_of_the_whole_method():
 
 
 @pytest.mark.parametrize(
+    ("link", "differs"),
+    [
+        ("pixels_120x80", {"sensor.decimation", "sensor.crop"}),
+        ("opencv_matcher", {"sensor.matcher"}),
+        ("lamps_off", {"lamps"}),
+        ("halogen", {"lamps"}),
+        ("mirror", {"material"}),
+        ("blasted", {"material"}),
+    ],
+)
+def test_a_changed_link_changes_nothing_else(link: str, differs: set[str]):
+    """FRA and PB on C and D from the same five starts, with only the named settings different."""
+    preset = with_named(load_preset("paper"), "links", (link,), LINKS)
+    runs = planned_runs(preset)
+    whole = {(run.part, run.arm, run.run): run for run in runs}
+    changed = [run for run in runs if "," in run.arm]
+    assert len(changed) == 2 * 2 * 5
+    for run in changed:
+        planner, name = run.arm.split(", ")
+        assert name == link
+        before, after = (
+            dict(flattened(config.model_dump(mode="json")))
+            for config in (whole[run.part, planner, run.run].config, run.config)
+        )
+        assert {key for key in before.keys() | after.keys() if before.get(key) != after.get(key)} == differs
+        assert run.digest != whole[run.part, planner, run.run].digest
+
+
+def test_every_link_is_checked():
+    """The list above names all of them."""
+    assert set(LINKS) == {"pixels_120x80", "opencv_matcher", "lamps_off", "halogen", "mirror", "blasted"}
+
+
+@pytest.mark.parametrize(
     ("flags", "says"),
     [
         (["--preset", "qick"], "preset qick: there is none; did you mean quick?"),
-        (["--preset", "quick", "--ablations", "poses_7"], "ablation poses_7: there is none; did you mean poses_"),
+        (["--preset", "quick", "--ablations", "poses_7"], "--ablations poses_7: there is none; did you mean poses_"),
         (["--preset", "quick", "--workers", "0"], "--workers 0: there must be someone to do the work"),
-        (["--preset", "{yaml}"], "own.yaml: parts or ablations: there is no E; known: A, B, C, D"),
+        (["--preset", "{yaml}"], "own.yaml: parts, ablations or links: there is no E; known: A, B, C, D"),
     ],
 )
 def test_bad_input_is_one_line(flags: list[str], says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
@@ -180,7 +216,7 @@ def test_voxels_are_counted_in_the_workspace():
 
 def whole_page() -> str:
     """A page with runs of all parts, planners and ablations, a failure, and the corner."""
-    preset = with_ablations(load_preset("paper"), ("all",))
+    preset = with_named(load_preset("paper"), "ablations", ("all",), ABLATIONS)
     records = []
     for k, part in enumerate((*preset.parts, CORNER)):
         for j, arm in enumerate(preset.planners):
@@ -189,6 +225,8 @@ def whole_page() -> str:
                 coverage, kinds = ((0.3, 0.4, 0.5, end), "frnn") if arm == "fra" else ((0.3, 0.5, 0.6, end), "fnnn")
                 records.append(made_record(part, arm, run, coverage, kinds, activations=k if arm == "fra" else 0))
     for part in preset.ablated_parts:
+        for link in LINKS:
+            records += [made_record(part, arm_name(planner, link)) for planner in ("fra", "pb")]
         for name in ABLATIONS:
             records += [made_record(part, name, run, (0.3, 0.5, 0.7, 0.8), "fnnn") for run in range(3)]
     failures = [Failure("D re, run 3", "its process was ended by SIGKILL")]
@@ -216,6 +254,9 @@ def test_page_sets_every_number_of_the_paper_beside_ours():
     table = html[html.index('id="ablations"') :]
     for words, _, _ in ABLATIONS.values():
         assert table.count(f"<td>{escape(words)}</td>") == 2
+    links = html[html.index('id="changed"') :]
+    for words, *_ in LINKS.values():
+        assert links.count(f"<td>{escape(words)}</td>") == 2
     assert "D re, run 3" in html
     assert html.count('class="figure"') == 4
 
