@@ -31,7 +31,7 @@ EDGES = (64, 96, 128, 192, 256)
 CANDIDATES = (32, 128, 512, 2048)
 IMAGES = ((60, 40), (160, 90), (320, 180), (640, 360))
 """Pixels: from the paper's sensor to the whole stream."""
-CLOSED = (480, 320)
+CLOSED = (360, 240)
 """Pixels of the depth images that fill maps of small voxels, so that surfaces in them are closed (choice: finer than
 the smallest voxel where the part is)."""
 N_VIEWS = 3
@@ -60,23 +60,25 @@ def measure_speed(task: SpeedTask) -> None:
     """Time all decisions and write them to `SPEED`."""
     rows = [
         {"axis": axis, "size": size, "planner": name, **stages}
-        for axis, size, bursts, parameters in _settings(task)
-        for grid in [filled_map(bursts[:-1], parameters)]
+        for axis, size, grid, burst, parameters in _settings(task)
         for name, planner in PLANNERS.items()
-        for stages in [median_decision(planner(), grid, bursts[-1], parameters)]
+        for stages in [median_decision(planner(), grid, burst, parameters)]
     ]
     write_atomically(task.out / SPEED, strict_json({"run": task.case.name, "rows": rows}, indent=1).encode())
 
 
-def _settings(task: SpeedTask) -> Iterator[tuple[str, int, list[DepthBurst], Parameters]]:
-    bursts = stored_bursts(task.case, N_VIEWS)
-    closed = [*(resampled(burst, *CLOSED) for burst in bursts[:-1]), bursts[-1]]
+def _settings(task: SpeedTask) -> Iterator[tuple[str, int, VoxelMap, DepthBurst, Parameters]]:
+    """Axis, size on it, map before the decision, burst, parameters."""
+    *before, burst = stored_bursts(task.case, N_VIEWS)
+    closed = [resampled(earlier, *CLOSED) for earlier in before]
     for edge in EDGES:
-        yield "voxels", edge, closed, with_voxels(task.parameters, edge)
+        parameters = with_voxels(task.parameters, edge)
+        yield "voxels", edge, filled_map(closed, parameters), burst, parameters
+    grid = filled_map(before, task.parameters)
     for count in CANDIDATES:
-        yield "candidates", count, bursts, task.parameters.model_copy(update={"n_candidates": count})
+        yield "candidates", count, grid, burst, task.parameters.model_copy(update={"n_candidates": count})
     for width, height in IMAGES:
-        yield "pixels", width, [resampled(burst, width, height) for burst in bursts], task.parameters
+        yield "pixels", width, grid, resampled(burst, width, height), task.parameters
 
 
 def with_voxels(parameters: Parameters, edge: int) -> Parameters:

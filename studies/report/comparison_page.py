@@ -81,7 +81,7 @@ def comparison_html(
             times=time_rows(comparison, parts, arms),
             overhead=overhead_words(comparison),
             losses=loss_rows(comparison, parts),
-            links=link_words(comparison, preset.ablated_parts, ABLATIONS, preset.parameters.recovered_share),
+            links=link_words(comparison, preset.parts, ABLATIONS, preset.parameters.recovered_share),
             speed=speed_figure(speed["rows"]) if speed else None,
             speed_words=speed_words(speed["rows"]) if speed else "",
             ablations=ablation_rows(comparison, preset.ablated_parts, ABLATIONS),
