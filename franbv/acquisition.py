@@ -43,7 +43,7 @@ class Acquisition:
     gamma_attainable: float | None
     """Gamma over what a surface patch can attain."""
     planning_s: dict[str, float]
-    """Computing time by stage, from the choice of this pose to the detection in its burst [s]."""
+    """Processor time by stage, from the choice of this pose to the detection in its burst [s]."""
     sensing_s: float
     motion_s: float
 

@@ -145,7 +145,7 @@ COLUMNS = (
     *(Column(name, pa.float64(), meaning) for name, meaning in SUMMARY.items()),
     *(Column(name, pa.int32(), meaning) for name, meaning in COUNTS.items()),
     Column("stop", pa.string(), "Rule that ended the run"),
-    Column("planning_s", pa.float64(), "Median planning time of an NBV iteration with its recoveries [s]"),
+    Column("planning_s", pa.float64(), "Median processor time of planning of an NBV iteration with its recoveries [s]"),
     Column("motion_s", pa.float64(), "Median modelled motion time of the same [s]"),
     Column("iteration_s", pa.float64(), "Median of planning, motion and exposure of the same [s]"),
     Column("processor_s", pa.float64(), "Processor time of the run, simulation included; shared bursts cost none [s]"),

@@ -1,7 +1,8 @@
 """How long PB and RE plan, against the number of voxels, of candidates and of pixels, on the maps of one real run.
 
 The first acquisitions of a finished run are put into maps of finer and finer voxels; then one more enters and the
-candidates are scored. Each stage is timed by itself on one thread, so that where a method spends its time is seen.
+candidates are scored. Each stage is timed by itself, in processor time of one thread, so that it is seen where a method
+spends its time.
 """
 
 from collections.abc import Callable, Iterator, Sequence

@@ -1,5 +1,7 @@
 """The stage clock: names, resets and threads. How long anything takes is not tested."""
 
+import time
+
 import pytest
 from threadpoolctl import threadpool_info
 
@@ -36,3 +38,14 @@ def test_a_stage_that_fails_is_still_counted():
         raise KeyboardInterrupt
     assert set(clock.read()) == {"map"}
     assert [pool["num_threads"] for pool in threadpool_info()] == before
+
+
+def test_planning_is_not_charged_with_the_work_of_others():
+    """A planning stage that waits (here: sleeps) costs next to nothing; sensing is timed by the wall."""
+    clock, pause = StageClock(), 0.1
+    with clock.planning("map"):
+        time.sleep(pause)
+    with clock.timing("sensing"):
+        time.sleep(pause)
+    seconds = clock.read()
+    assert seconds["map"] < pause / 2 < pause <= seconds["sensing"]
