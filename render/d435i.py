@@ -38,7 +38,7 @@ class SensorSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     profile: str = "640x360"
-    """Stream profile; 640x360 alone gives 60 x 40 and still measures at a recovery pose's 141 mm (DESIGN 4.1)."""
+    """Stream profile; 640x360 alone gives 60 x 40 and still measures at a recovery pose's 141 mm (Min-Z 127 mm)."""
     decimation: int = Field(default=8, ge=1, le=8)
     """Factor of librealsense's decimation filter, 1 = off (paper: maximum)."""
     crop: tuple[int, int] | None = (60, 40)
