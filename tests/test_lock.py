@@ -33,14 +33,15 @@ def test_every_pin_has_a_hash():
 
 @pytest.mark.parametrize("python", ["3.11", "3.12", "3.13"])
 def test_the_lock_answers_the_project(python: str):
-    """For each Python version on Linux: all that the project and its tests ask for is pinned once and fits."""
+    """For each Python version on Linux: all that project, tests and figures ask for is pinned once and fits."""
     environment = {"python_version": python, "python_full_version": f"{python}.0", "sys_platform": "linux"}
     environment |= {"platform_machine": "x86_64", "extra": ""}
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    extras = project["optional-dependencies"]
     here = [pin for pin in PINS if pin["marker"] is None or Marker(pin["marker"]).evaluate(environment)]
     versions = {canonicalize_name(pin["name"]): pin["version"] for pin in here}
     assert len(versions) == len(here), "pinned twice"
-    for line in project["dependencies"] + project["optional-dependencies"]["test"]:
+    for line in [*project["dependencies"], *extras["test"], *extras["docs"]]:
         wanted = Requirement(line)
         name = canonicalize_name(wanted.name)
         assert name in versions, f"{line}: not in requirements.lock; run `make lock`"

@@ -1,0 +1,46 @@
+"""Labels: why each pixel has no depth. `python -m docs.figures.labels`."""
+
+import numpy as np
+from matplotlib.patches import Patch
+
+from docs.figures.drawing import panels, show_grey, write
+from franbv.candidates import first_view
+from franbv.parameters import Parameters
+from render.causes import LEGEND
+from render.d435i import SensorSettings, SimulatedD435i
+from render.labels import label_frame
+from scenes.build import part_scene
+
+FRAMES = 5
+PART = np.s_[60:300, 170:470]
+
+
+def main() -> None:
+    """Print the share of each cause on part D and around it; draw the label map."""
+    scene, pose = part_scene("D"), first_view(Parameters(), 0.0)
+    camera = SimulatedD435i(scene, SensorSettings(crop=None))
+    measurement, truth = camera.measure(pose, FRAMES), camera.truth(pose)
+    picture = label_frame(camera, pose, measurement, truth=truth).picture
+    on_part = np.isin(truth.body, [i for i, body in enumerate(scene.bodies) if body.is_part])
+    print("share of the pixels: on part D, elsewhere")
+    shown = []
+    for cause, entry in LEGEND.items():
+        shares = [float(np.mean(picture[pixels] == cause)) for pixels in (on_part, ~on_part)]
+        if max(shares) > 0:
+            print(f"  {entry.name:28s} {100 * shares[0]:5.1f} % {100 * shares[1]:5.1f} %")
+            shown.append(Patch(color=[c / 255 for c in entry.colour], label=entry.name))
+    colours = np.zeros((256, 3), np.uint8)
+    for cause, entry in LEGEND.items():
+        colours[cause] = entry.colour
+    figure, axes = panels(3, height=2.3)
+    show_grey(axes[0], measurement.lefts[0][PART], "infrared image")
+    axes[1].imshow(colours[picture[PART]])
+    axes[1].set_title("labels")
+    for panel in axes[1:]:
+        panel.set_axis_off()
+    axes[2].legend(handles=shown, loc="center left", fontsize=6)
+    write(figure, "labels")
+
+
+if __name__ == "__main__":
+    main()

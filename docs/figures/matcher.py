@@ -1,0 +1,38 @@
+"""Matcher: the holes of the D4-like one beside OpenCV's on the same pair. `python -m docs.figures.matcher`."""
+
+import numpy as np
+
+from docs.figures.drawing import panels, show_error, show_grey, write
+from franbv.candidates import first_view
+from franbv.parameters import Parameters
+from render.d4_matcher import D4Matcher
+from render.d435i import SensorSettings, SimulatedD435i
+from render.depth_image import metres_from_z16, z16_from_disparity
+from render.sgbm_matcher import SgbmMatcher
+from scenes.build import part_scene
+
+AROUND = np.s_[90:290, 220:420]
+"""Where part D stands in the first view."""
+
+
+def main() -> None:
+    """Print the share of part D without depth by matcher; draw both depth errors."""
+    scene, pose = part_scene("D"), first_view(Parameters(), 0.0)
+    settings = SensorSettings(crop=None)
+    camera = SimulatedD435i(scene, settings)
+    measured, truth = camera.measure(pose, 1), camera.truth(pose)
+    on_part = np.isin(truth.body, [i for i, body in enumerate(scene.bodies) if body.is_part])
+    figure, axes = panels(3, width=7.6, height=2.1)
+    show_grey(axes[0], measured.lefts[0][AROUND], "left infrared image")
+    for panel, (name, matcher) in zip(axes[1:], {"D4-like": D4Matcher(), "SGBM": SgbmMatcher()}.items(), strict=True):
+        disparity = matcher.match(measured.lefts[0], measured.rights[0])
+        coded = z16_from_disparity(disparity, camera.rig.focal_baseline, settings.depth)
+        depth = metres_from_z16(coded, settings.depth)
+        print(f"{name}: {100 * np.mean(depth[on_part] == 0):.1f} % of part D without depth, first view")
+        error = np.where((depth > 0) & (truth.depth > 0), 1e3 * (depth - truth.depth), np.nan)
+        show_error(figure, panel, error[AROUND], f"{name}: depth error", 20)
+    write(figure, "matcher")
+
+
+if __name__ == "__main__":
+    main()
