@@ -20,9 +20,17 @@ FULL_STRENGTH_AT = 0.3
 
 
 def matched_without_shadows(camera: SimulatedD435i, measurement: Measurement, truth: Truth) -> Bool[np.ndarray, "h w"]:
-    """Pixels that are matched rightly when nothing stands in the projector's light."""
-    lit = camera.changed(imager=measurement.imager, projector_shadows=False)
-    return is_matched_rightly(lit, lit.measure(measurement.T_world_cam, len(measurement.z16)), truth)
+    """Pixels that are matched rightly when nothing stands in the projector's light.
+
+    The lamps' light is that of the measurement, so one point on each lamp will do for the rendering.
+    """
+    lit, pose = (
+        camera.changed(imager=measurement.imager, projector_shadows=False, lamp_points=1),
+        measurement.T_world_cam,
+    )
+    before = (measurement.left_layers, measurement.right_layers)
+    left, right = (RadianceLayers(a.projector, b.ambient) for a, b in zip(lit.render(pose), before, strict=True))
+    return is_matched_rightly(lit, lit.expose(pose, left, right, len(measurement.z16)), truth)
 
 
 def matched_at_first_surface(camera: SimulatedD435i, measurement: Measurement, truth: Truth) -> Bool[np.ndarray, "h w"]:

@@ -38,15 +38,26 @@ def twin_scene(scene: Scene) -> Scene:
     return scene.with_materials(lambda body: matte_twin(body.material))
 
 
+def twin_camera(camera: SimulatedD435i) -> SimulatedD435i:
+    """The same camera before the matte twin of its scene."""
+    return camera.changed(scene=twin_scene(camera.world.source))
+
+
 def measure_twin(
-    camera: SimulatedD435i, T_world_cam: RigidTransform, n_frames: int, truth: Truth | None = None
+    camera: SimulatedD435i,
+    T_world_cam: RigidTransform,
+    n_frames: int,
+    truth: Truth | None = None,
+    before_twin: SimulatedD435i | None = None,
 ) -> MatteTwin:
-    """Measure the twin of the camera's scene. truth: from the same pose, if it is known already.
+    """Measure the twin of the camera's scene.
+
+    truth: from the same pose, if it is known already. before_twin: `twin_camera(camera)`, loaded once for many poses.
 
     The rendering without shadows is spared where the twin loses nothing near one.
     """
     truth = truth or camera.truth(T_world_cam)
-    twin = camera.changed(scene=twin_scene(camera.world.source))
+    twin = before_twin or twin_camera(camera)
     measurement = twin.measure(T_world_cam, n_frames)
     outcome = burst_outcome(twin, measurement, truth)
     places = geometry(camera, truth)
