@@ -56,7 +56,7 @@ def finished_case(out: Path, digest: str) -> Path | None:
 
 def prepare_output(out: Path) -> None:
     """Create the output folder and prove that it can be written; InputError with the mend when it cannot."""
-    with _output_errors(out):
+    with output_errors(out):
         out.mkdir(parents=True, exist_ok=True)
         probe = out / f".write-test-{os.getpid()}"
         probe.touch()
@@ -73,7 +73,7 @@ def writing(out: Path, digest: str) -> Iterator[Path]:
     prepare_output(out)
     _clear_abandoned(out, except_for=digest)
     partial = out / f"{PARTIAL_PREFIX}{digest}"
-    with _output_errors(out), _locked(partial):
+    with output_errors(out), _locked(partial):
         try:
             _keep_progress_only(partial)
             yield partial
@@ -183,7 +183,7 @@ REASONS = {
 
 
 @contextlib.contextmanager
-def _output_errors(out: Path) -> Iterator[None]:
+def output_errors(out: Path) -> Iterator[None]:
     """Turn the system errors that a person can mend into one line."""
     try:
         yield

@@ -15,6 +15,7 @@ COMMANDS = {
     "match": ("studies.match", "Match a real infrared pair; score the depth against a reference."),
     "reconstruct": ("studies.reconstruct", "Reconstruct a part view by view and report how it went."),
     "study": ("studies.study", "Ask which materials and angles break depth, detector and recovery."),
+    "dataset": ("studies.dataset.command", "Make, check and show datasets of labelled depth with reflective holes."),
     "report": ("studies.report_command", "Rebuild the HTML report from the stored results."),
 }
 """Command -> (module with `run(args) -> exit status`, what it does)."""

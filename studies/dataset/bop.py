@@ -1,0 +1,137 @@
+"""BOP's files: scene_camera, scene_gt, scene_gt_info and COCO annotations of a scene, models in millimetres.
+
+Source: docs/bop_datasets_format.md of bop_toolkit (T. Hodan et al.). Matrices row by row, lengths in mm, the camera as
+in OpenCV. What is seen of an object is decided by exact rays, not by the measured depth as bop_toolkit has to.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial import ConvexHull
+from scipy.spatial.distance import pdist
+from scipy.spatial.transform import RigidTransform
+
+from franbv.frames import Intrinsics
+from scenes.scene import Mesh
+from scenes.topology import face_normals
+from studies.dataset import rle
+from studies.dataset.draw import SceneDraw
+from studies.dataset.view import LabelledView, bounding_box
+from studies.images import MM
+
+
+def camera_entry(intrinsics: Intrinsics, pose: RigidTransform) -> dict[str, Any]:
+    """Of one view in `scene_camera.json`."""
+    to_camera = pose.inv()
+    return {
+        "cam_K": intrinsics.matrix.ravel().tolist(),
+        "cam_R_w2c": to_camera.rotation.as_matrix().ravel().tolist(),
+        "cam_t_w2c": (MM * to_camera.translation).tolist(),
+        "depth_scale": 1.0,
+    }
+
+
+def pose_entries(draw: SceneDraw, pose: RigidTransform) -> list[dict[str, Any]]:
+    """Of one view in `scene_gt.json`."""
+    entries = []
+    for thing in draw.objects:
+        model = pose.inv() * RigidTransform.from_matrix(np.array(thing.T_world_model))
+        entries.append(
+            {
+                "obj_id": thing.object_id,
+                "cam_R_m2c": model.rotation.as_matrix().ravel().tolist(),
+                "cam_t_m2c": (MM * model.translation).tolist(),
+            }
+        )
+    return entries
+
+
+def info_entries(view: LabelledView) -> list[dict[str, Any]]:
+    """Of one view in `scene_gt_info.json`."""
+    depth = view.images["depth"]
+    return [
+        {
+            "bbox_obj": list(whole.box),
+            "bbox_visib": list(bounding_box(seen)),
+            "px_count_all": whole.pixels,
+            "px_count_valid": int(np.count_nonzero(whole.mask & (depth > 0))),
+            "px_count_visib": int(np.count_nonzero(seen)),
+            "visib_fract": float(np.count_nonzero(seen) / whole.pixels) if whole.pixels else 0.0,
+        }
+        for whole, seen in zip(view.silhouettes, view.visible, strict=True)
+    ]
+
+
+def coco_annotations(draw: SceneDraw, number: int, view: LabelledView) -> list[dict[str, Any]]:
+    """What is seen of each object in one view, with the whole silhouette beside it; objects out of sight left out."""
+    return [
+        {
+            "image_id": number,
+            "category_id": thing.object_id,
+            "gt_id": place,
+            "iscrowd": 0,
+            "ignore": False,
+            "area": int(np.count_nonzero(seen)),
+            "bbox": list(bounding_box(seen)),
+            "width": seen.shape[1],
+            "height": seen.shape[0],
+            "segmentation": rle.encoded(seen),
+            "segmentation_full": rle.encoded(whole.mask),
+        }
+        for place, (thing, whole, seen) in enumerate(zip(draw.objects, view.silhouettes, view.visible, strict=True))
+        if seen.any()
+    ]
+
+
+def coco_file(names: dict[int, str], image_size: tuple[int, int], annotations: list[list[dict[str, Any]]]) -> dict:
+    """`scene_gt_coco.json`. names: of the objects by obj_id. image_size: width, height. annotations: by view."""
+    flat = [{"id": number, **entry} for number, entry in enumerate(e for entries in annotations for e in entries)]
+    return {
+        "info": {"description": "visible parts of the objects; segmentation_full holds their whole silhouettes"},
+        "licenses": [],
+        "categories": [
+            {"id": number, "name": name, "supercategory": "object"} for number, name in sorted(names.items())
+        ],
+        "images": [
+            {"id": k, "file_name": f"gray/{k:06d}.png", "width": image_size[0], "height": image_size[1]}
+            for k in range(len(annotations))
+        ],
+        "annotations": flat,
+    }
+
+
+def model_info(mesh: Mesh) -> dict[str, float]:
+    """Of one object in `models_info.json` [mm]."""
+    points = MM * mesh.vertices
+    low, size = points.min(axis=0), np.ptp(points, axis=0)
+    diameter = float(pdist(points[ConvexHull(points).vertices]).max())
+    lowest = {f"min_{axis}": value for axis, value in zip("xyz", low.tolist(), strict=True)}
+    return {"diameter": diameter, **lowest} | {f"size_{axis}": s for axis, s in zip("xyz", size.tolist(), strict=True)}
+
+
+def model_ply(mesh: Mesh) -> bytes:
+    """The model as ASCII PLY [mm], with the normals and types that bop_toolkit reads."""
+    normals = vertex_normals(mesh)
+    header = [
+        "ply",
+        "format ascii 1.0",
+        "comment millimetres",
+        f"element vertex {len(mesh.vertices)}",
+        *(f"property float {name}" for name in ("x", "y", "z", "nx", "ny", "nz")),
+        f"element face {len(mesh.faces)}",
+        "property list uchar int vertex_indices",
+        "end_header",
+    ]
+    rows = np.concatenate([MM * mesh.vertices, normals], axis=1)
+    lines = [" ".join(f"{value:.5f}" for value in row) for row in rows.tolist()]
+    faces = [f"3 {a} {b} {c}" for a, b, c in mesh.faces.tolist()]
+    return ("\n".join([*header, *lines, *faces]) + "\n").encode()
+
+
+def vertex_normals(mesh: Mesh) -> Float[np.ndarray, "n 3"]:
+    """Area-weighted means of the adjacent faces' normals; 0 for a vertex of no face."""
+    summed = np.zeros_like(mesh.vertices)
+    for corner in range(3):
+        np.add.at(summed, mesh.faces[:, corner], face_normals(mesh.vertices, mesh.faces))
+    return summed / np.maximum(np.linalg.norm(summed, axis=1, keepdims=True), 1e-12)

@@ -1,0 +1,208 @@
+"""What a dataset is drawn from: the declared distribution of scenes, lights, cameras and poses, read from YAML."""
+
+from pathlib import Path
+from typing import Annotated, Literal, get_args
+
+from pydantic import AfterValidator, Field, model_validator
+
+from materials.catalog import finish_names, material, material_names, metal_names
+from materials.suggestion import suggest
+from render.rig import FOCAL_LENGTHS_PX
+from scenes.lamps import LIGHTING_NAMES
+from scenes.parts import PART_NAMES
+from studies.config import Config, load_config
+
+DEFAULT = Path(__file__).parents[1] / "dataset_default.yaml"
+"""The configuration that is named `default` on the command line."""
+
+Arrangement = Literal["single", "pile"]
+MaterialKind = Literal["own", "metal", "non_metal"]
+Motion = Literal["hemisphere", "trajectory"]
+Shape = Literal["box", "cylinder", "ball"]
+
+
+def _weighted(weights: dict[str, float]) -> dict[str, float]:
+    if not any(weights.values()):
+        raise ValueError("no choice has a weight above 0; give at least one")
+    return weights
+
+
+def _ordered(limits: tuple[float, float]) -> tuple[float, float]:
+    if limits[0] > limits[1]:
+        raise ValueError(f"the lower end {limits[0]:g} is above the upper end {limits[1]:g}; swap them")
+    return limits
+
+
+Weights = Annotated[dict[str, Annotated[float, Field(ge=0)]], AfterValidator(_weighted)]
+"""Name -> how often it is drawn, relative to the others."""
+Share = Annotated[float, Field(ge=0, le=1)]
+Count = Annotated[int, Field(ge=1, le=1_000_000)]
+
+
+class UserCad(Config):
+    """A CAD file in the pool of objects."""
+
+    file: Path
+    """STL, PLY, OBJ, GLB or STEP; a relative path counts from the configuration's folder."""
+    units: str | None = None
+    """`mm`, `cm`, `m` or `in`; only GLB and STEP know their own."""
+    up: Literal["x", "y", "z"] | None = None
+    """Upward axis; the default is the format's convention."""
+    material: tuple[str, ...]
+    """What the real thing is made of: `metal:finish`, or one per body as `body=metal:finish`."""
+    weight: Annotated[float, Field(ge=0)] = 1.0
+    """How often it is drawn, relative to the parts."""
+
+
+class Objects(Config):
+    """What stands on the table to be looked at."""
+
+    parts: dict[str, Annotated[float, Field(ge=0)]] = Field(default={"A": 1, "B": 1, "C": 1, "D": 1})
+    """Parts A to D and how often each is drawn."""
+    cad: tuple[UserCad, ...] = ()
+    """CAD files of yours."""
+    arrangement: Weights = Field(default={"single": 0.6, "pile": 0.4})
+    """One part, or several that lie on the table and on each other."""
+    pile_parts: Annotated[tuple[int, int], AfterValidator(_ordered)] = (2, 5)
+    """Fewest and most parts of a pile."""
+    upright: Share = 0.5
+    """Share of single parts that stand as designed; the others lie in one of their stable poses."""
+    offset_m: Annotated[float, Field(ge=0, le=0.1)] = 0.02
+    """A single part stands within this of the table's middle, along x and y [m]."""
+    spread_m: Annotated[float, Field(gt=0, le=0.2)] = 0.05
+    """Standard deviation of where the parts of a pile are let down, along x and y [m]."""
+
+
+class Materials(Config):
+    """What the parts are made of; drawn for each part on its own."""
+
+    kind: Weights = Field(default={"own": 0.4, "metal": 0.5, "non_metal": 0.1})
+    """`own` keeps what the real thing is made of; otherwise one material is drawn for the whole part."""
+    metals: Weights
+    finishes: Weights
+    non_metals: Weights
+    roughness: Literal["nominal", "range"] = "range"
+    """Roughness of a drawn metal: the finish's nominal one, or log-uniform over what real parts show."""
+
+
+class Surroundings(Config):
+    """Table, room, lamps and what else lies about."""
+
+    tables: Weights
+    """Materials of the table top."""
+    lamps: Weights
+    """Lamp presets."""
+    room: Share = 0.8
+    """Share of scenes in a closed room; in the others ambient light comes from everywhere and behind the table is
+    nothing."""
+    clutter: Annotated[tuple[int, int], AfterValidator(_ordered)] = (0, 4)
+    """Fewest and most other things on the table."""
+    clutter_shapes: Weights = Field(default={"box": 1, "cylinder": 1, "ball": 1})
+    clutter_size_m: Annotated[tuple[float, float], AfterValidator(_ordered)] = (0.015, 0.06)
+    """Their sides and diameters, log-uniform [m]."""
+    clutter_materials: Weights
+
+
+class Camera(Config):
+    """Stream, projector and exposure; drawn for each scene."""
+
+    profiles: Weights = Field(default={"640x360": 1})
+    """Stream profiles."""
+    matcher: Literal["d4", "sgbm"] = "d4"
+    laser_mw: Annotated[tuple[float, float], AfterValidator(_ordered)] = (30.0, 360.0)
+    """Laser power, log-uniform [mW]."""
+    auto_exposure: Share = 0.8
+    """Share of scenes with auto-exposure."""
+    exposure_us: Annotated[tuple[float, float], AfterValidator(_ordered)] = (2000.0, 33000.0)
+    """Exposure of the others, log-uniform [us]."""
+    decimation: Annotated[int, Field(ge=2, le=8)] = 8
+    """Factor of the decimated depth."""
+
+
+class Views(Config):
+    """From where each scene is looked at."""
+
+    per_scene: Annotated[int, Field(ge=1, le=1000)] = 10
+    motion: Weights = Field(default={"hemisphere": 0.7, "trajectory": 0.3})
+    """Independent poses on the hemisphere, or an even path between two of them."""
+    elevation_deg: Annotated[tuple[float, float], AfterValidator(_ordered)] = (15.0, 85.0)
+    """Uniform on the sphere between these [deg]."""
+    distance_m: Annotated[tuple[float, float], AfterValidator(_ordered)] = (0.25, 0.7)
+    """From the middle of what is looked at, uniform [m]."""
+    roll_deg: Annotated[float, Field(ge=0, le=180)] = 15.0
+    """The camera is turned about its axis by up to this, either way [deg]."""
+    aim_m: Annotated[float, Field(ge=0, le=0.2)] = 0.03
+    """It aims at a point within this of the middle, along each axis [m]."""
+
+
+class Rendering(Config):
+    """How many light paths are spent."""
+
+    glossy_paths: Literal[8, 16, 32, 64, 128] = 16
+    """Of a pixel that sees a glossy surface."""
+    label_paths: Literal[8, 16, 32, 64, 128] = 8
+    """Of such a pixel where one thing is changed to see why depth is missing."""
+
+
+class DatasetConfig(Config):
+    """All that decides a dataset."""
+
+    title: str
+    seed: Annotated[int, Field(ge=0)] = 0
+    views: Count = 1000
+    n_frames: Annotated[int, Field(ge=1, le=100)] = 1
+    """Depth frames of a view; more than one give the median depth and how often each pixel had none."""
+    keep_frames: bool = False
+    """Whether the single frames are stored as well."""
+    objects: Objects = Objects()
+    materials: Materials
+    surroundings: Surroundings
+    camera: Camera = Camera()
+    poses: Views = Views()
+    rendering: Rendering = Rendering()
+
+    @model_validator(mode="after")
+    def _known(self) -> "DatasetConfig":
+        m, s = self.materials, self.surroundings
+        specs = (*material_names()[len(metal_names()) :], *(f"{a}:{b}" for a in metal_names() for b in finish_names(a)))
+        for place, words, known in (
+            ("objects.parts", self.objects.parts, PART_NAMES),
+            ("objects.arrangement", self.objects.arrangement, get_args(Arrangement)),
+            ("materials.kind", m.kind, get_args(MaterialKind)),
+            ("materials.metals", m.metals, metal_names()),
+            ("materials.finishes", m.finishes, finish_names()),
+            ("materials.non_metals", m.non_metals, specs[: -len(metal_names())]),
+            ("surroundings.tables", s.tables, specs),
+            ("surroundings.clutter_materials", s.clutter_materials, specs),
+            ("surroundings.clutter_shapes", s.clutter_shapes, get_args(Shape)),
+            ("surroundings.lamps", s.lamps, LIGHTING_NAMES),
+            ("camera.profiles", self.camera.profiles, [f"{w}x{h}" for w, h in FOCAL_LENGTHS_PX]),
+            ("poses.motion", self.poses.motion, get_args(Motion)),
+        ):
+            for word in words:
+                if word not in known:
+                    raise ValueError(f"{place}: {word}: there is none; {suggest(word, known)}")
+        for cad in self.objects.cad:
+            for spec in cad.material:
+                material(spec.partition("=")[2] if "=" in spec and "@" not in spec.partition("=")[0] else spec)
+        if not any(self.objects.parts.values()) and not any(cad.weight for cad in self.objects.cad):
+            raise ValueError("objects: neither a part nor a CAD file has a weight above 0; give one")
+        return self
+
+    @property
+    def scenes(self) -> int:
+        """Scenes that the views are spread over."""
+        return -(-self.views // self.poses.per_scene)
+
+    def views_of(self, scene: int) -> int:
+        """Views of one scene; the last one may have fewer."""
+        return min(self.poses.per_scene, self.views - scene * self.poses.per_scene)
+
+
+def load_dataset_config(name: str) -> DatasetConfig:
+    """From a YAML file, or `default`; CAD files by absolute path."""
+    path = DEFAULT if name == "default" else Path(name)
+    config = load_config(DatasetConfig, path)
+    folder = path.resolve().parent
+    cad = tuple(entry.model_copy(update={"file": folder / entry.file}) for entry in config.objects.cad)
+    return config.model_copy(update={"objects": config.objects.model_copy(update={"cad": cad})})

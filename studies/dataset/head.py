@@ -1,0 +1,80 @@
+"""What stands at the top of a dataset: its configuration, its code tables, the camera, the models."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from materials.input_error import InputError
+from render.causes import LEGEND, Cause
+from render.rig import d435i_rig
+from studies.cases import canonical_json, case_digest, write_atomically
+from studies.dataset import bop
+from studies.dataset.built_scene import MATERIAL_CLASSES
+from studies.dataset.config import DatasetConfig
+from studies.dataset.folders import CAMERA, DATASET, MODELS, compact_json, read_json
+from studies.dataset.layers import MASKS
+from studies.dataset.layers import layers as layers_of
+from studies.dataset.objects import PoolObject
+
+COMMAND = "dataset"
+"""What the hash of a dataset's configuration calls it."""
+
+
+def recorded(config: DatasetConfig) -> DatasetConfig:
+    """The configuration as the dataset keeps it: CAD files by name."""
+    cad = tuple(entry.model_copy(update={"file": Path(entry.file.name)}) for entry in config.objects.cad)
+    return config.model_copy(update={"objects": config.objects.model_copy(update={"cad": cad})})
+
+
+def dataset_digest(config: DatasetConfig) -> str:
+    """Name of the configuration; scenes say which one they are of."""
+    return case_digest(COMMAND, recorded(config))
+
+
+def head(config: DatasetConfig, pool: Sequence[PoolObject]) -> dict[str, Any]:
+    """`dataset.json`."""
+    return {
+        "title": config.title,
+        "digest": dataset_digest(config),
+        "config": recorded(config).model_dump(mode="json"),
+        "objects": [{"obj_id": o.number, "name": o.name, "blake2b": o.digest} for o in pool],
+        "materials": list(MATERIAL_CLASSES),
+        "causes": {str(int(cause)): LEGEND[cause].name for cause in Cause if cause is not Cause.UNMEASURED},
+        "layers": {layer.folder: layer.meaning for layer in layers_of(config.n_frames)},
+        "masks": list(MASKS),
+    }
+
+
+def write_head(root: Path, config: DatasetConfig, pool: Sequence[PoolObject]) -> None:
+    """Write it, or check that what is there is the same; InputError if the folder holds another dataset."""
+    wanted = compact_json(head(config, pool))
+    path = root / DATASET
+    if path.exists():
+        _check_same(path, config, wanted)
+    files = {f"{MODELS}/obj_{o.number:06d}.ply": bop.model_ply(o.mesh) for o in pool}
+    files[f"{MODELS}/models_info.json"] = compact_json({o.number: bop.model_info(o.mesh) for o in pool})
+    profiles = sorted(name for name, weight in config.camera.profiles.items() if weight)
+    k = d435i_rig(profiles[0]).intrinsics
+    files[CAMERA] = compact_json(
+        {"width": k.width, "height": k.height, "fx": k.fx, "fy": k.fy, "cx": k.cx, "cy": k.cy, "depth_scale": 1.0}
+    )
+    (root / MODELS).mkdir(exist_ok=True)
+    for name, data in files.items():
+        if not (root / name).exists():
+            write_atomically(root / name, data)
+    if not path.exists():  # last: a folder with it has the rest
+        write_atomically(path, wanted)
+
+
+def _check_same(path: Path, config: DatasetConfig, wanted: bytes) -> None:
+    if path.read_bytes() == wanted:
+        return
+    try:
+        before = DatasetConfig.model_validate(read_json(path)["config"])
+    except (ValueError, KeyError, TypeError):
+        raise InputError(f"{path}: cannot be read; choose another folder, or remove this one") from None
+    if canonical_json(before) == canonical_json(recorded(config)):
+        raise InputError(f"{path}: was begun by another version, or a CAD file has changed; choose another folder")
+    old, new = before.model_dump(mode="json"), recorded(config).model_dump(mode="json")
+    key = next(name for name in new if old.get(name) != new[name])
+    raise InputError(f"{path}: holds another dataset (`{key}` differs); choose another folder, or the same settings")

@@ -1,0 +1,170 @@
+"""`franbv dataset make`: draw, render and label what is missing, on this machine or a cluster, then index and card."""
+
+import contextlib
+import fcntl
+import os
+import shutil
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from materials.input_error import InputError
+from studies.cases import output_errors, prepare_output
+from studies.command_line import parse
+from studies.console import say, say_json, warn
+from studies.dataset.card import write_card
+from studies.dataset.cluster import run_on_cluster
+from studies.dataset.config import DatasetConfig, load_dataset_config
+from studies.dataset.folders import MODELS, SPLIT, WORK, read_json, scene_name
+from studies.dataset.head import dataset_digest, write_head
+from studies.dataset.index import scene_folders, write_index
+from studies.dataset.objects import object_pool
+from studies.dataset.scene_case import SceneTask, make_scene
+from studies.workers import Failure, Job, limit_renderer, run_jobs, worker_count
+
+PROGRAM = "franbv dataset make"
+HELP = "Render labelled depth of random scenes. The same command takes an interrupted dataset up where it stopped."
+
+
+@dataclass(frozen=True)
+class MakeCommand:
+    """The flags of `franbv dataset make`."""
+
+    config: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="CONFIG.yaml")]
+    """What to draw from: a YAML file, or `default`."""
+    dir: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")]
+    """Folder of the dataset."""
+    views: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """How many views, instead of those of the configuration."""
+    workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Worker processes on this machine; the default is one for each processor."""
+    scheduler: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
+    """Dask scheduler whose workers do it instead, such as tcp://host:8786."""
+    resource: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    """Only on Dask workers with this resource, such as GPU."""
+    json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Print one JSON object as the last line of stdout."""
+
+
+def run(args: list[str]) -> int:
+    """Make what is missing."""
+    began = time.perf_counter()
+    command = parse(MakeCommand, args, PROGRAM, HELP)
+    workers = worker_count(command.workers)
+    if command.resource and not command.scheduler:
+        raise InputError("--resource is for --scheduler; leave it out")
+    config = load_dataset_config(command.config)
+    if command.views is not None:
+        if command.views < 1:
+            raise InputError(f"--views {command.views}: give 1 or more")
+        config = config.model_copy(update={"views": command.views})
+    pool = object_pool(config)
+    for notice in (notice for thing in pool for notice in thing.notices):
+        warn(f"{PROGRAM}: {notice}")
+    root = command.dir.resolve()
+    prepare_output(root)
+    with _alone(root), output_errors(root):
+        clear_debris(root)
+        write_head(root, config, pool)
+        failures, made = make_missing(root, config, workers, command.scheduler, command.resource)
+        for line in failure_lines(failures):
+            warn(f"{PROGRAM}: {line}")
+        figures = summary(root, made, failures, config, time.perf_counter() - began)
+        if not failures:
+            write_index(root, scene_folders(root))
+            write_card(root)
+            shutil.rmtree(root / WORK, ignore_errors=True)
+    say(sentence(root, figures))
+    if command.json:
+        say_json(figures)
+    return 1 if failures else 0
+
+
+def make_missing(
+    root: Path, config: DatasetConfig, workers: int, scheduler: str | None, resource: str | None
+) -> tuple[list[Failure], list[int]]:
+    """Make the scenes that are not there yet; returns those that were given up, and the numbers of those tried."""
+    there = set(scene_folders(root))
+    missing = [number for number in range(config.scenes) if scene_name(number) not in there]
+    work = root / WORK
+    for leftover in work.glob("*-*"):  # of processes that were killed
+        shutil.rmtree(leftover, ignore_errors=True)
+    work.mkdir(exist_ok=True)
+    (root / SPLIT).mkdir(exist_ok=True)
+    digest = dataset_digest(config)
+    tasks = [SceneTask(root, config, digest, number) for number in missing]
+    jobs = [Job(task.title, make_scene, task) for task in tasks]
+    if scheduler:
+        return (run_on_cluster(jobs, scheduler, resource, root) if jobs else []), missing
+    return run_jobs([jobs], workers, limit_renderer, already_done=config.scenes - len(missing)), missing
+
+
+def clear_debris(root: Path) -> None:
+    """Remove what killed processes left half-written at the top."""
+    for pattern in (".*.tmp", f"{MODELS}/.*.tmp", ".write-test-*"):
+        for path in root.glob(pattern):
+            path.unlink(missing_ok=True)
+
+
+def failure_lines(failures: Sequence[Failure]) -> Iterator[str]:
+    """One line for each reason: a full disk fails every scene alike."""
+    reasons: dict[str, list[str]] = {}
+    for failure in failures:
+        reasons.setdefault(failure.reason, []).append(failure.name)
+    for reason, names in reasons.items():
+        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+        yield f"{names[0]}{more}: {reason}"
+
+
+def summary(
+    root: Path, made: list[int], failures: list[Failure], config: DatasetConfig, wall_s: float
+) -> dict[str, Any]:
+    """The figures of this command."""
+    times = [read_json(path) for number in made if (path := root / WORK / f"{scene_name(number)}.json").exists()]
+    views = sum(entry["views"] for entry in times)
+    stages: dict[str, list[float]] = {}
+    for entry in times:
+        for name, spent in entry["stages"].items():
+            stages[name] = [a + b for a, b in zip(stages.get(name, [0.0, 0.0]), spent, strict=True)]
+    failed = {failure.name for failure in failures}
+    return {
+        "views": config.views - sum(config.views_of(n) for n in made if f"scene {scene_name(n)}" in failed),
+        "failed": len(failures),
+        "views_per_s": views / wall_s,
+        "peak_rss_gb": max((entry["peak_rss"] for entry in times), default=0) / 1e9,
+        "wall_s": wall_s,
+        "made_now": views,
+        "cpu_s_per_view": {name: spent[1] / views for name, spent in stages.items()} if views else {},
+    }
+
+
+def sentence(root: Path, figures: dict[str, Any]) -> str:
+    """The figures in words."""
+    lines = [f"{figures['views']} views in {root}, {figures['made_now']} of them made now"]
+    if figures["made_now"]:
+        lines[0] += f", {figures['views_per_s']:.2f} a second; peak memory {figures['peak_rss_gb']:.2f} GB a worker"
+        spent = sorted(figures["cpu_s_per_view"].items(), key=lambda item: -item[1])
+        lines.append("Processor time a view [s]: " + ", ".join(f"{name} {seconds:.2f}" for name, seconds in spent))
+    if figures["failed"]:
+        lines.append(f"{figures['failed']} scenes failed; the same command tries them again.")
+    return "\n".join(lines)
+
+
+@contextlib.contextmanager
+def _alone(root: Path) -> Iterator[None]:
+    """Hold the folder: the lock goes with the process, whatever ends it."""
+    descriptor = os.open(root, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise InputError(f"{root}: another process makes this dataset; wait for it to end") from None
+        except OSError:  # a file system that cannot lock folders: then nobody can know
+            pass
+        yield
+    finally:
+        os.close(descriptor)

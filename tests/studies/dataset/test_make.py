@@ -1,0 +1,191 @@
+"""`dataset make`: the same bytes whoever makes it and however often it is killed; bad input in one line."""
+
+import errno
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studies.cli import main
+from studies.dataset import folders, make
+from studies.dataset.config import load_dataset_config
+from studies.dataset.draw import draw_scene
+from studies.dataset.objects import object_pool
+from tests.conftest import ROOT
+
+
+def contents(root: Path) -> dict[str, bytes]:
+    """Every file and its bytes."""
+    return {path.relative_to(root).as_posix(): path.read_bytes() for path in root.rglob("*") if path.is_file()}
+
+
+def test_the_same_command_finds_it_done(small_config: Path, small_dataset: Path, capsys: pytest.CaptureFixture):
+    """Nothing is made and no byte changes."""
+    before = contents(small_dataset)
+    assert main(["dataset", "make", str(small_config), str(small_dataset), "--json"]) == 0
+    figures = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert (figures["views"], figures["failed"], figures["made_now"]) == (4, 0, 0)
+    assert contents(small_dataset) == before
+
+
+def test_a_scene_is_made_again_to_the_byte(small_config: Path, small_dataset: Path, tmp_path: Path):
+    """As after a kill between two scenes, with debris of a killed process lying about."""
+    copy = Path(shutil.copytree(small_dataset, tmp_path / "copy"))
+    shutil.rmtree(copy / "train/000001")
+    for name in ("index.json", "README.md"):
+        (copy / name).unlink()
+    (copy / ".work/000001-host-123/gray").mkdir(parents=True)
+    (copy / ".index.json.123.tmp").write_bytes(b"half")
+    assert main(["dataset", "make", str(small_config), str(copy), "--workers", "1"]) == 0
+    assert contents(copy) == contents(small_dataset)
+
+
+@pytest.mark.slow
+def test_two_workers_make_the_same_bytes(small_config: Path, small_dataset: Path, tmp_path: Path):
+    """As one."""
+    assert main(["dataset", "make", str(small_config), str(tmp_path / "two"), "--workers", "2"]) == 0
+    assert contents(tmp_path / "two") == contents(small_dataset)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("default")  # what Dask and its parts warn of is theirs
+def test_dask_workers_make_the_same_bytes(small_config: Path, small_dataset: Path, tmp_path: Path):
+    """A cluster of two processes, found by its address."""
+    from distributed import LocalCluster
+
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", resources={"GPU": 1}) as cluster:
+        address = cluster.scheduler_address
+        command = ["dataset", "make", str(small_config), str(tmp_path / "dask"), "--scheduler", address]
+        assert main([*command, "--resource", "TPU"]) == 2
+        assert main([*command, "--resource", "GPU"]) == 0
+    assert contents(tmp_path / "dask") == contents(small_dataset)
+
+
+@pytest.mark.slow
+def test_kills_change_no_byte(small_config: Path, small_dataset: Path, tmp_path: Path):
+    """kill -9 to the whole process group at random moments; the last run is left to finish."""
+    root, rng = tmp_path / "killed", np.random.default_rng(0)
+    program = "import sys; from studies.cli import main; sys.exit(main())"
+    command = [sys.executable, "-c", program, "dataset", "make", str(small_config), str(root)]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    for _ in range(10):
+        process = subprocess.Popen([*command, "--workers", "2"], env=environment, start_new_session=True)
+        time.sleep(rng.uniform(1, 12))
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+    assert subprocess.run([*command, "--workers", "2"], env=environment, check=False).returncode == 0
+    assert contents(root) == contents(small_dataset)
+
+
+def test_a_scene_does_not_depend_on_how_many_there_are(small_config: Path):
+    """Its draw is that of a longer dataset; a shorter one has its first views."""
+    config = load_dataset_config(str(small_config))
+    pool = object_pool(config)
+    longer = config.model_copy(update={"views": 100})
+    assert draw_scene(longer, pool, 1) == draw_scene(config, pool, 1)
+    shorter = draw_scene(config.model_copy(update={"views": 3}), pool, 1)
+    assert shorter.views == draw_scene(config, pool, 1).views[:1]
+
+
+def test_another_configuration_is_refused_in_the_same_folder(
+    small_config: Path, small_dataset: Path, tmp_path: Path, capsys: pytest.CaptureFixture
+):
+    """Exit status 2, and the key that differs."""
+    other = tmp_path / "other.yaml"
+    other.write_text(small_config.read_text().replace("seed: 3", "seed: 4"))
+    assert main(["dataset", "make", str(other), str(small_dataset)]) == 2
+    assert "holds another dataset (`seed` differs)" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("parts: {A: 1, C: 1}", "parts: {A: 1, Z: 1}"), "objects.parts: Z: there is none"),
+        (("brass: 1", "bras: 1"), "did you mean brass"),
+        (("workshop: 1", "workshop: -1"), "greater than or equal to 0"),
+        (("[0.3, 0.4]", "[0.4, 0.3]"), "swap them"),
+        (("seed: 3", "sead: 3"), "unknown key `sead`"),
+        (("pile_parts", "cad: [{file: no.stl, units: mm, material: ['iron:milled']}], pile_parts"), "no.stl"),
+    ],
+)
+def test_a_wrong_configuration_is_one_line(
+    small_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture, change: tuple[str, str], words: str
+):
+    """Exit status 2; nothing is written."""
+    path = tmp_path / "wrong.yaml"
+    assert change[0] in small_config.read_text()
+    path.write_text(small_config.read_text().replace(*change))
+    assert main(["dataset", "make", str(path), str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_broken_mesh_in_the_pool_is_one_line(small_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
+    """Found before anything is rendered, though it may be drawn late or never."""
+    (tmp_path / "broken.stl").write_bytes(b"solid nothing\nendsolid nothing\n")
+    path = tmp_path / "wrong.yaml"
+    cad = "cad: [{file: broken.stl, units: mm, material: ['iron:milled']}], pile_parts"
+    path.write_text(small_config.read_text().replace("pile_parts", cad))
+    assert main(["dataset", "make", str(path), str(tmp_path / "out")]) == 2
+    assert "broken.stl" in capsys.readouterr().err
+
+
+def test_a_folder_that_cannot_be_written_is_one_line(small_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
+    """A file stands where the folder should be."""
+    (tmp_path / "file").touch()
+    assert main(["dataset", "make", str(small_config), str(tmp_path / "file/out")]) == 2
+    assert "is a file, not a folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EROFS])
+def test_a_full_or_read_only_disk_is_one_line(
+    small_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch, number: int
+):
+    """Met while the head of the dataset is written: exit status 2, and no half-written file."""
+
+    def fail(*_: object) -> None:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr("studies.cases.os.replace", fail)
+    assert main(["dataset", "make", str(small_config), str(tmp_path / "out")]) == 2
+    assert ("the disk is full" if number == errno.ENOSPC else "read-only") in capsys.readouterr().err
+    assert [path for path in (tmp_path / "out").rglob("*") if path.is_file()] == []
+
+
+def test_a_full_disk_in_a_scene_leaves_nothing_half_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """The scene is not there, its partial folder is gone, and the reason is one line."""
+
+    def fail(_: Path) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(folders, "flush_tree", fail)
+    with (
+        pytest.raises(folders.InputError, match="the disk is full"),
+        folders.written_whole(tmp_path, tmp_path / "train/000000") as folder,
+    ):
+        (folder / "half.png").write_bytes(b"x")
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+    assert not (tmp_path / "train/000000").exists()
+
+
+def test_two_processes_do_not_make_one_dataset(small_config: Path, small_dataset: Path, capsys: pytest.CaptureFixture):
+    """The second one is told so."""
+    with make._alone(small_dataset):
+        assert main(["dataset", "make", str(small_config), str(small_dataset)]) == 2
+    assert "another process makes this dataset" in capsys.readouterr().err
+
+
+def test_a_scheduler_that_is_not_there_is_one_line(small_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
+    """Exit status 2 within seconds."""
+    command = ["dataset", "make", str(small_config), str(tmp_path / "out"), "--scheduler", "tcp://127.0.0.1:1"]
+    assert main(command) == 2
+    assert "no scheduler answers there" in capsys.readouterr().err
