@@ -69,7 +69,11 @@ def dataset_problems(root: Path) -> tuple[int, list[str]]:
         digest = str(top["digest"])
     except UNREADABLE as error:
         return 0, [f"{DATASET}: cannot be read ({' '.join(str(error).split())})"]
-    problems = list(head_problems(root, top, config))
+    problems: list[str] = []
+    try:
+        problems += head_problems(root, top, config)
+    except UNREADABLE as error:
+        problems.append(f"{DATASET}: does not say what it must ({type(error).__name__}: {error})")
     there = set(scene_folders(root))
     wanted = [number for number in range(config.scenes) if scene_name(number) in there]
     problems += [f"{SPLIT}/{scene_name(n)}: is missing" for n in range(config.scenes) if scene_name(n) not in there]
@@ -130,7 +134,10 @@ def model_problems(root: Path) -> Iterator[str]:
 def ply_points(data: bytes) -> np.ndarray:
     """Vertices of an ASCII PLY of ours, (n, 3)."""
     head, _, body = data.partition(b"end_header\n")
-    count = next(int(line.split()[2]) for line in head.splitlines() if line.startswith(b"element vertex"))
+    counts = [int(line.split()[2]) for line in head.splitlines() if line.startswith(b"element vertex ")]
+    if len(counts) != 1:
+        raise ValueError("a model is no PLY file")
+    count = counts[0]
     return np.array([line.split()[:3] for line in body.split(b"\n", count)[:count]], float)
 
 

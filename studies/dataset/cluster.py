@@ -8,7 +8,7 @@ import os
 import threading
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from materials.input_error import InputError
 from studies.console import progress_bar
@@ -35,7 +35,7 @@ def run_on_cluster(jobs: Sequence[Job], address: str, resource: str | None, root
     except (OSError, ValueError) as error:
         raise InputError(f"--scheduler {address}: no scheduler answers there ({error}); check the address") from None
     with client:
-        known: Any = client.scheduler_info(n_workers=-1)
+        known = cast(dict[str, Any], client.scheduler_info(n_workers=-1))
         _check_workers(known["workers"].values(), address, resource)
         if not all(client.run(_sees, str(root)).values()):
             raise InputError(f"{root}: a worker of {address} does not see this folder; put it on a shared file system")
