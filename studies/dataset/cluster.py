@@ -35,9 +35,9 @@ def run_on_cluster(jobs: Sequence[Job], address: str, resource: str | None, root
     except (OSError, ValueError) as error:
         raise InputError(f"--scheduler {address}: no scheduler answers there ({error}); check the address") from None
     with client:
-        known = cast(dict[str, Any], client.scheduler_info(n_workers=-1))
-        _check_workers(known["workers"].values(), address, resource)
-        if not all(client.run(_sees, str(root)).values()):
+        _check_workers(client.scheduler_info(n_workers=-1)["workers"].values(), address, resource)
+        seen = cast(dict[str, bool], client.run(_sees, str(root)))
+        if not all(seen.values()):
             raise InputError(f"{root}: a worker of {address} does not see this folder; put it on a shared file system")
         limits = {resource: 1} if resource else None
         names = {}
