@@ -51,7 +51,8 @@ def paragraph(comparison: Comparison, planned: int, failed: int) -> str:
     """What was run and how much of the paper was found."""
     done = counted(len(comparison.records), "run")
     missing = planned - len(comparison.records)
-    rest = f" of {planned}; {counted(failed, 'run')} failed" if missing else ", all that were planned"
+    rest = f" of {planned} that are planned" if missing else ", all that were planned"
+    rest += f"; {counted(failed, 'run')} failed" if failed else ""
     return f"{done}{rest}. {verdict_words(findings(comparison))}"
 
 

@@ -76,11 +76,12 @@ def gap_verdict(difference: Difference, expected: float | None) -> str:
 
 
 def points(difference: Difference | None) -> str:
-    """`+31.0 points (+25.1 to +36.4)`."""
+    """`+31.0 points (+25.1 to +36.4)`; a single run has no interval."""
     if difference is None:
         return "n/a"
     i = difference.interval
-    return f"{100 * i.mean:+.1f} points ({100 * i.low:+.1f} to {100 * i.high:+.1f})"
+    interval = f"{100 * i.low:+.1f} to {100 * i.high:+.1f}" if i.count > 1 else "one run"
+    return f"{100 * i.mean:+.1f} points ({interval})"
 
 
 def _gap(comparison: Comparison, part: str, baseline: str, expected: float | None) -> Finding:

@@ -211,9 +211,9 @@ def mean(interval: Interval | None, scale: float, form: str) -> str:
 
 
 def spread(interval: Interval | None, scale: float, form: str) -> str:
-    """The mean with its interval."""
-    if interval is None:
-        return "n/a"
+    """The mean with its interval, which a single run does not have."""
+    if interval is None or interval.count == 1:
+        return mean(interval, scale, form)
     low, high = (format(scale * end, form) for end in (interval.low, interval.high))
     return f"{mean(interval, scale, form)} [{low} to {high}]"
 

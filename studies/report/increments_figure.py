@@ -13,8 +13,8 @@ from studies.view_increments import BIN, FEWEST, binned_increments
 WIDTH, HEIGHT = 1160, 290
 LEFT, RIGHT, TOP, BOTTOM = 38, 14, 46, 240
 """Margins left and right of each panel, its upper and lower edge [px]."""
-MOST = 60.0
-"""Upper end of the axis [points] (choice: only first views add more)."""
+LEAST_AXIS = 10.0
+"""Shortest axis [points]; it grows in steps of as many with what the views that are drawn add."""
 GROUPS = (("pb", NBV, "pb", "PB views"), ("fra", RECOVERY, "fra", "FRA recovery views"))
 """Arm, kind of view, class, words."""
 
@@ -22,13 +22,26 @@ GROUPS = (("pb", NBV, "pb", "PB views"), ("fra", RECOVERY, "fra", "FRA recovery 
 def increments_figure(comparison: Comparison, parts: Sequence[str], words: dict[str, str]) -> Markup:
     """A panel per part, a pair of boxes per range of prior coverage; too few views are marked by an x."""
     width = WIDTH / max(len(parts), 1)
-    panels = [_panel(comparison, part, k * width, width, words[part]) for k, part in enumerate(parts)]
+    most = axis_end(comparison, parts)
+    panels = [_panel(comparison, part, k * width, width, words[part], most) for k, part in enumerate(parts)]
     return svg.figure(WIDTH, HEIGHT, "Coverage added by a view against the coverage before it", *panels)
 
 
-def _panel(comparison: Comparison, part: str, left: float, width: float, title: str) -> Markup:
+def axis_end(comparison: Comparison, parts: Sequence[str]) -> float:
+    """End of the axis that holds all views that are drawn, the same for all parts [points]."""
+    drawn = [
+        max(values)
+        for part in parts
+        for arm, kind, _, _ in GROUPS
+        for values in binned_increments(comparison, part, arm, kind)
+        if len(values) >= FEWEST
+    ]
+    return LEAST_AXIS * max(1, int(np.ceil(100 * max(drawn, default=0.0) / LEAST_AXIS - 1e-9)))
+
+
+def _panel(comparison: Comparison, part: str, left: float, width: float, title: str, most: float) -> Markup:
     x = svg.Scale(0, 100, left + LEFT, left + width - RIGHT)
-    y = svg.Scale(0, MOST, BOTTOM, TOP)
+    y = svg.Scale(0, most, BOTTOM, TOP)
     share = 100 * BIN
     boxes = [
         _box(
@@ -40,7 +53,7 @@ def _panel(comparison: Comparison, part: str, left: float, width: float, title: 
     return svg.join(
         svg.text(left + LEFT, 16, title, "axis-label strong"),
         svg.text(left + LEFT, 33, "added by the view [points]", "tick-label"),
-        svg.left_axis(y, left + LEFT, left + width - RIGHT, [0, 20, 40, 60]),
+        svg.left_axis(y, left + LEFT, left + width - RIGHT, y.ticks(5)),
         svg.bottom_axis(x, BOTTOM, "coverage before the view [%]", [0, 20, 40, 60, 80, 100]),
         *boxes,
     )
@@ -55,12 +68,12 @@ def _box(values: list[float], middle: float, width: float, y: svg.Scale, klass: 
     lower, median, upper = np.percentile(added, [25, 50, 75])
     reach = 1.5 * (upper - lower)
     low, high = added[added >= lower - reach].min(), added[added <= upper + reach].max()
-    top, bottom, left = y(min(upper, MOST)), y(min(lower, MOST)), middle - width / 2
+    top, bottom, left = y(upper), y(lower), middle - width / 2
     shapes = svg.join(
         svg.line(middle, y(low), middle, bottom, f"whisker {klass}"),
-        svg.line(middle, top, middle, y(min(high, MOST)), f"whisker {klass}"),
+        svg.line(middle, top, middle, y(high), f"whisker {klass}"),
         svg.element("rect", x=left, y=top, width=width, height=max(bottom - top, 1.0), klass=f"box {klass}"),
-        svg.line(left, y(min(median, MOST)), left + width, y(min(median, MOST)), "box-median"),
+        svg.line(left, y(median), left + width, y(median), "box-median"),
     )
     numbers = f"median {median:.1f}, quartiles {lower:.1f} to {upper:.1f}, {len(values)} views"
     return svg.marked(shapes, f"{name} and above: {numbers}")

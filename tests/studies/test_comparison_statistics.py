@@ -14,9 +14,11 @@ from studies.paper_results import (
     UNKNOWN,
     findings,
     paper_ratio,
+    points,
     verdict_words,
 )
-from studies.report.comparison_tables import overhead_words
+from studies.report.comparison_tables import overhead_words, spread
+from studies.report.increments_figure import axis_end
 from studies.report.link_words import link_words
 from studies.report.planner_curves_figure import held
 from studies.view_increments import binned_increments, recovery_advantage
@@ -89,6 +91,21 @@ def test_recovery_advantage_compares_like_with_like():
     ] + [made_record(arm="fra", run=k, coverage=(0.45, 0.53), kinds="fr") for k in range(5)]  # fmt: skip
     assert recovery_advantage(Comparison(records), "D") == pytest.approx(0.03)
     assert recovery_advantage(Comparison(records[:-1]), "D") is None
+
+
+def test_axis_of_the_boxes_holds_what_is_drawn():
+    """Five views of 24 points need an axis of 30; four of 90 are too few to be drawn; nothing drawn leaves 10."""
+    records = [made_record(arm="pb", run=k, coverage=(0.3, 0.54), kinds="fn") for k in range(5)]
+    records += [made_record(arm="fra", run=k, coverage=(0.05, 0.95), kinds="fr") for k in range(4)]
+    assert axis_end(Comparison(records), ["D"]) == 30.0
+    assert axis_end(Comparison(records[5:]), ["D"]) == 10.0
+
+
+def test_a_single_run_has_no_interval():
+    """Said in words instead of brackets that look like certainty."""
+    records = [made_record(arm=arm, coverage=(0.3, end), kinds="fn") for arm, end in (("fra", 0.9), ("pb", 0.8))]
+    assert points(Comparison(records).difference("D", "fra", "pb")) == "+10.0 points (one run)"
+    assert spread(Comparison(records).figure("D", "fra", "coverage_5mm"), 100, ".1f") == "90.0"
 
 
 def test_a_run_that_has_ended_keeps_its_coverage():
