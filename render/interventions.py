@@ -1,7 +1,8 @@
 """Measure a pose again with one thing changed: no projector shadows, one surface only, dots as strong as near by.
 
-Exposure, gain, noise and speckle stay those of the measurement, so that nothing but the light differs. These leave the
-metal in place, which gives false depth by itself: a pixel has come back only when it is matched rightly.
+Noise and speckle stay those of the measurement, and so do exposure and gain unless dots are added to darkness: nothing
+but the light differs. These leave the metal in place, which gives false depth by itself: a pixel has come back only
+when it is matched rightly.
 """
 
 import numpy as np
@@ -9,6 +10,7 @@ from jaxtyping import Bool, Float32
 
 from render.burst_outcome import is_matched_rightly
 from render.d435i import Measurement, SimulatedD435i
+from render.exposure import auto_exposure
 from render.imager_settings import REFERENCE_LASER_POWER_MW
 from render.infrared_evidence import looks_different
 from render.radiance import RadianceLayers
@@ -48,15 +50,20 @@ def matched_with_strong_dots(
 ) -> Bool[np.ndarray, "h w"]:
     """Pixels that are matched rightly when distance takes nothing from the dots and the laser has its default power.
 
-    The law of inverse squares is undone in the rendered layers. right: what the right imager's pixels see.
+    The law of inverse squares is undone in the rendered layers. A camera that chooses its exposure chooses it anew:
+    the one for darkness would drown the dots. right: what the right imager's pixels see.
     """
     pose = measurement.T_world_cam
     power = max(measurement.imager.laser_power_mw, REFERENCE_LASER_POWER_MW)
-    strong = camera.changed(imager=measurement.imager.model_copy(update={"laser_power_mw": power}))
-    to_right = strong.rig.right_imager(pose).inv()
+    imager = measurement.imager.model_copy(update={"laser_power_mw": power})
+    to_right = camera.rig.right_imager(pose).inv()
     right_depth = to_right.apply(right.position.reshape(-1, 3).astype(float))[:, 2].reshape(truth.depth.shape)
     left_layers = _strengthened(measurement.left_layers, truth.depth)
     right_layers = _strengthened(measurement.right_layers, right_depth.astype(np.float32))
+    if camera.settings.auto_exposure:
+        exposure_us, gain = auto_exposure(left_layers.projector, left_layers.ambient, imager)
+        imager = imager.model_copy(update={"exposure_us": exposure_us, "gain": gain})
+    strong = camera.changed(imager=imager)
     return is_matched_rightly(strong, strong.expose(pose, left_layers, right_layers, len(measurement.z16)), truth)
 
 

@@ -153,6 +153,13 @@ def without_dots() -> Case:
 
 
 @cache
+def in_darkness() -> Case:
+    """A bare wall with lamps and projector off: the camera exposes as long as it can and sees nothing."""
+    settings = WHOLE.model_copy(update={"imager": ImagerSettings(laser_power_mw=0.0)})
+    return labelled(scene_of(wall_at(0.4)), columns(60, 400), settings)
+
+
+@cache
 def steep_plate() -> Case:
     """A matte plate at 82 deg: its disparity changes by B / Z tan(82 deg) = 1.0 px from row to row, 4 px over half of a
     census window."""

@@ -21,6 +21,7 @@ SCENES = [
     (scenes.too_near, Cause.OUT_OF_RANGE, 0.9),
     (scenes.nothing_there, Cause.OUT_OF_RANGE, 0.8),
     (scenes.without_dots, Cause.OUT_OF_REACH, 0.2),
+    (scenes.in_darkness, Cause.OUT_OF_REACH, 0.9),
     (scenes.left_band, Cause.NO_OVERLAP, 0.9),
     (scenes.half_hidden, Cause.OCCLUSION, 0.9),
     (scenes.steep_plate, Cause.OCCLUSION_WINDOW, 0.2),
