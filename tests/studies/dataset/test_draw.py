@@ -1,0 +1,77 @@
+"""What is drawn: every declared level sooner or later, nothing else; things at rest, the camera clear of them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial.transform import RigidTransform
+
+from studies.dataset.choices import drawn_material, log_uniform, pick
+from studies.dataset.config import load_dataset_config
+from studies.dataset.draw import CLEARANCE, draw_scene
+from studies.dataset.objects import object_pool
+
+DRAWS = 4000
+
+
+def test_names_are_drawn_as_often_as_their_weights_say():
+    """Shares of 1, 3 and 0 to within four standard deviations of a binomial."""
+    rng = np.random.default_rng(0)
+    drawn = [pick(rng, {"a": 1, "b": 3, "never": 0}) for _ in range(DRAWS)]
+    assert set(drawn) == {"a", "b"}
+    assert drawn.count("a") / DRAWS == pytest.approx(0.25, abs=4 * np.sqrt(0.25 * 0.75 / DRAWS))
+
+
+def test_log_uniform_puts_half_below_the_geometric_mean():
+    """Of 30 and 360 that is 104."""
+    rng = np.random.default_rng(0)
+    values = np.array([log_uniform(rng, (30, 360)) for _ in range(DRAWS)])
+    assert 30 <= values.min() < values.max() <= 360
+    assert np.mean(values < np.sqrt(30 * 360)) == pytest.approx(0.5, abs=4 * 0.5 / np.sqrt(DRAWS))
+
+
+def test_the_default_draws_every_metal_and_finish_and_no_impossible_one():
+    """Gold grows no oxide; roughness along and across the lay stays in the finish's ranges."""
+    materials, rng = load_dataset_config("default").materials, np.random.default_rng(0)
+    drawn = {drawn_material(rng, materials).partition("@")[0] for _ in range(DRAWS)}
+    assert {spec.partition(":")[0] for spec in drawn if ":" in spec} == set(materials.metals)
+    assert {spec.partition(":")[2] for spec in drawn if ":" in spec} == set(materials.finishes)
+    assert "gold:oxidised" not in drawn
+    assert {"own", *materials.non_metals} <= drawn
+
+
+def test_things_rest_and_the_camera_is_clear_of_them():
+    """Lowest corners at or above the table, the first object on it; the camera outside every object's box."""
+    config = load_dataset_config("default")
+    config = config.model_copy(update={"objects": config.objects.model_copy(update={"parts": {"A": 1, "C": 1}})})
+    pool = object_pool(config)
+    for scene in range(6):
+        draw = draw_scene(config, pool, scene)
+        boxes = []
+        for thing in draw.objects:
+            points = RigidTransform.from_matrix(np.array(thing.T_world_model)).apply(
+                pool[thing.object_id - 1].mesh.vertices
+            )
+            boxes.append((points.min(axis=0), points.max(axis=0)))
+        assert min(low[2] for low, _ in boxes) == pytest.approx(0, abs=1e-9)
+        for view in draw.views:
+            eye = np.array(view.T_world_cam)[:3, 3]
+            assert eye[2] > 0
+            for low, high in boxes:
+                outside = np.linalg.norm(np.maximum(np.maximum(low - eye, eye - high), 0))
+                assert outside >= CLEARANCE - 1e-9
+
+
+def test_a_cad_file_joins_the_pool(small_config: Path, tmp_path: Path):
+    """In metres, its origin in the middle of its box, of the stated material; found beside the configuration."""
+    trimesh.creation.box((40, 30, 20)).export(tmp_path / "block.stl")
+    path = tmp_path / "with_cad.yaml"
+    cad = "cad: [{file: block.stl, units: mm, material: ['iron:milled'], weight: 5}], pile_parts"
+    path.write_text(small_config.read_text().replace("pile_parts", cad))
+    *_, block = object_pool(load_dataset_config(str(path)))
+    assert (block.number, block.name, block.weight) == (3, "block.stl", 5)
+    assert np.ptp(block.mesh.vertices, axis=0) == pytest.approx([0.04, 0.03, 0.02], abs=1e-6)
+    assert np.abs(block.mesh.vertices).max(axis=0) == pytest.approx([0.02, 0.015, 0.01], abs=1e-6)
+    assert {body.material.name for body in block.bodies} == {"iron:milled"}
+    assert len(block.digest) == 16
