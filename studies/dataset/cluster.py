@@ -50,7 +50,7 @@ def run_on_cluster(jobs: Sequence[Job], address: str, resource: str | None, root
         failures = []
         with progress_bar() as progress:
             task = progress.add_task("on the cluster", total=len(jobs))
-            for future in as_completed(list(names)):
+            for future in as_completed(list(names), loop=client.loop):
                 if future.status != "finished":
                     failures.append(Failure(names[future], _reason(future)))
                 progress.update(task, advance=1)
