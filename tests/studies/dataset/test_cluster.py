@@ -1,4 +1,4 @@
-"""Jobs on Dask workers: all are done, a failing one is tried twice and reported, a worker's death costs one more try."""
+"""Jobs on Dask workers: all are done, a failing one is tried twice and reported, a death costs one more try."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from tests.studies import jobs
 @pytest.mark.slow
 @pytest.mark.filterwarnings("default")  # what Dask and its parts warn of is theirs
 def test_jobs_fail_alone(tmp_path: Path):
-    """Of five jobs one complains whenever it is tried and one aborts its worker once; only workers with the resource."""
+    """Of five jobs one complains at every try and one aborts its worker once; only workers with the resource."""
     from distributed import LocalCluster
 
     work = [Job(f"job {k}", jobs.note, tmp_path / str(k)) for k in range(3)]
