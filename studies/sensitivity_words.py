@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
+from render.imager_settings import REFERENCE_LASER_POWER_MW
 from studies.run_words import counted, percent
 from studies.sensitivity_roughness import RoughnessCurve
 from studies.sensitivity_rules import KIND_WORDS, hidden
@@ -13,10 +14,20 @@ ROUGH_ENOUGH = 0.1
 """Share of unusable surface below which a finish counts as harmless (choice: a tenth, as in the list of distrust)."""
 
 
-def findings(figures: dict[str, Any], main: Sequence[Row], curves: Sequence[RoughnessCurve]) -> str:
-    """One paragraph. main: rows of all cases under their first light; figures: the study's summary."""
-    sentences = [_measured(figures, main), _finishes(main), _detector(figures, main), _recovery(figures, main)]
-    return " ".join(sentence for sentence in [*sentences, roughness_words(curves)] if sentence)
+def findings(
+    figures: dict[str, Any], main: Sequence[Row], views: Sequence[Row], curves: Sequence[RoughnessCurve]
+) -> str:
+    """One paragraph. views: all rows, main: those under the first light of their case; figures: the study's summary."""
+    sentences = [
+        _measured(figures, main),
+        _finishes(main),
+        _metals(main),
+        _darkness(views),
+        _detector(figures, main),
+        _recovery(figures, main),
+        roughness_words(curves),
+    ]
+    return " ".join(sentence for sentence in sentences if sentence)
 
 
 def _measured(figures: dict[str, Any], main: Sequence[Row]) -> str:
@@ -51,6 +62,47 @@ def _finishes(main: Sequence[Row]) -> str:
             "These stay below: " + ", ".join(f"{spoken(name)} ({percent(shares[name])})" for name in good) + "."
         )
     return " ".join(parts)
+
+
+def _metals(main: Sequence[Row]) -> str:
+    """How much the metal matters, at equal views: the finish in which metals differ most."""
+    plate = [row for row in main if row["subject"] == "plate" and row["finish"] and row["seed"] == 0]
+    spreads = []
+    for finish, group in together(plate, surface).items():
+        shares = {metal: unusable_share(rows) or 0.0 for metal, rows in together(group, lambda r: r["metal"]).items()}
+        least, most = min(shares, key=shares.__getitem__), max(shares, key=shares.__getitem__)
+        if len(shares) > 1:
+            spreads.append((shares[most] - shares[least], finish, least, shares[least], most, shares[most]))
+    if not spreads:
+        return ""
+    spread, finish, least, low, most, high = max(spreads)
+    return (
+        f"Metals of one finish differ by {100 * spread:.0f} points at the most ({spoken(finish)}: {spoken(least)} "
+        f"{percent(low)}, {spoken(most)} {percent(high)})."
+    )
+
+
+def _darkness(views: Sequence[Row]) -> str:
+    """What lamps cost: cases that were measured with and without them at the default laser power."""
+    cases = together([row for row in views if row["finish"] and row["laser_mw"] == REFERENCE_LASER_POWER_MW], _case)
+    pairs = [(_under(rows, "off"), [row for row in rows if row["main_light"]]) for rows in cases.values()]
+    dark, lit = ([row for pair in pairs if all(pair) for row in pair[k]] for k in (0, 1))
+    if not dark:
+        return ""
+    without, with_them = unusable_share(dark) or 0.0, unusable_share(lit) or 0.0
+    words = (
+        f"Without lamps {percent(without)} of the surface is unusable, with them {percent(with_them)} "
+        f"({counted(len(dark), 'view')} of each)"
+    )
+    return words + (": lamps do most of the harm." if with_them > 2 * without else ".")
+
+
+def _case(row: Row) -> str:
+    return row["case"]
+
+
+def _under(rows: Sequence[Row], lamps: str) -> list[Row]:
+    return [row for row in rows if row["lamps"] == lamps]
 
 
 def _detector(figures: dict[str, Any], main: Sequence[Row]) -> str:

@@ -66,7 +66,7 @@ def sensitivity_html(plan: Plan, tables: Tables) -> str:
         .get_template("sensitivity.html.j2")
         .render(
             title=plan.title,
-            paragraph=findings(figures, main, curves),
+            paragraph=findings(figures, main, tables.views, curves),
             tiles=list(tiles(figures, main)),
             measured=figures["cases"],
             wanted=len({case for _, case in plan.cases}),
