@@ -9,7 +9,7 @@ from markupsafe import Markup
 from studies.report import svg
 
 WIDTH = 1160
-LABELS = 216
+LABELS = 244
 """Width of the row labels [px]."""
 GAP = 34
 """Between panels [px]."""

@@ -61,5 +61,5 @@ def map_rows(rows: Sequence[Row]) -> list[MapRow]:
     order = {finish: k for k, finish in enumerate(FINISHES)}
     materials = list(together(rows, lambda row: (row["material"], row["metal"], row["finish"])))
     metals = sorted((m for m in materials if m[1]), key=lambda m: order.get(m[2], len(order)))
-    named = [MapRow(spec, finish, spoken(metal)) for spec, metal, finish in metals]
+    named = [MapRow(spec, spoken(finish), spoken(metal)) for spec, metal, finish in metals]
     return named + [MapRow(spec, "no metal", spoken(spec)) for spec, metal, _ in materials if not metal]
