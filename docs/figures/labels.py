@@ -28,7 +28,7 @@ def main() -> None:
         shares = [float(np.mean(picture[pixels] == cause)) for pixels in (on_part, ~on_part)]
         if max(shares) > 0:
             print(f"  {entry.name:28s} {100 * shares[0]:5.1f} % {100 * shares[1]:5.1f} %")
-            shown.append(Patch(color=[c / 255 for c in entry.colour], label=entry.name))
+            shown.append(Patch(color="#" + bytes(entry.colour).hex(), label=entry.name))
     colours = np.zeros((256, 3), np.uint8)
     for cause, entry in LEGEND.items():
         colours[cause] = entry.colour

@@ -83,11 +83,13 @@ def main() -> None:
     figure, axes = panels(5, height=2.2)
     for panel, alpha in zip(axes, (0.02, 0.07, 0.2, 0.5), strict=False):
         show_grey(panel, measure(alpha, 20, 0, ALWAYS).image, f"steel, alpha {alpha:g}", 200)
-    colours = dict(zip(TILTS_DEG, ("tab:blue", "tab:orange", "tab:red"), strict=True))
+    colours: dict[int, str] = dict(zip(TILTS_DEG, ("tab:blue", "tab:orange", "tab:red"), strict=True))
     for (tilt, switch), shares in curves.items():
-        style = {"ls": "-", "label": f"{tilt} deg"} if switch == ALWAYS else {"ls": ":"}
-        axes[4].plot(ALPHAS, 100 * np.array(shares), c=colours[tilt], marker=".", **style)
+        line, label = ("-", f"{tilt} deg") if switch == ALWAYS else (":", None)
+        axes[4].plot(ALPHAS, 100 * np.array(shares), c=colours[tilt], marker=".", ls=line, label=label)
     axes[4].set(xscale="log", xlabel="alpha [-]", ylabel="plate without depth [%]", title="dotted: one bounce only")
+    axes[4].set_xticks((0.03, 0.1, 0.3), labels=("0.03", "0.1", "0.3"))
+    axes[4].minorticks_off()
     axes[4].legend(title="tilt")
     write(figure, "materials")
 

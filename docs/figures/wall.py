@@ -73,8 +73,8 @@ def main() -> None:
         )
     figure, (axes,) = panels(1, width=4.6, height=2.6)
     z, focal_baseline = np.linspace(min(DISTANCES), max(DISTANCES), 100), d435i_rig().focal_baseline
-    band = [1e3 * z**2 * s / focal_baseline for s in PUBLISHED_SUBPIXEL]
-    axes.fill_between(z, *band, color="0.85", label=r"$Z^2 s / (f B)$, s = 0.05 to 0.1 px")
+    low, high = (1e3 * z**2 * s / focal_baseline for s in PUBLISHED_SUBPIXEL)
+    axes.fill_between(z, low, high, color="0.85", label=r"$Z^2 s / (f B)$, s = 0.05 to 0.1 px")
     axes.plot(DISTANCES, [1e3 * wall.rms_m for wall in walls], marker="o", label="over the wall, one frame")
     axes.plot(DISTANCES, [1e3 * wall.temporal_m for wall in walls], marker="s", label=f"over {FRAMES} frames")
     axes.set(xlabel="distance of the wall [m]", ylabel="noise of Z, 1 sigma [mm]", xscale="log", yscale="log")
