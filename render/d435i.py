@@ -16,6 +16,7 @@ from render.decimation import block_centre_intrinsics, crop_centre, decimate
 from render.depth_image import DepthFormat, metres_from_z16, z16_from_disparity
 from render.dot_pattern import HALF_FIELD, d435_pattern
 from render.exposure import auto_exposure
+from render.first_surface import StereoView
 from render.imager import expose_burst
 from render.imager_settings import REFERENCE_LASER_POWER_MW, ImagerSettings
 from render.matcher import StereoMatcher, Window
@@ -97,6 +98,7 @@ class SimulatedD435i:
         self._seed = seed
         self._sampling = sampling or Sampling()
         self._matcher = matcher or matcher_by_name(self.settings.matcher)
+        self._view: dict[bytes, StereoView] = {}
         self._light = ProjectorLight.at(RigidTransform.identity(), d435_pattern(), 0.0)
 
     @property
@@ -123,11 +125,23 @@ class SimulatedD435i:
         mean = REFERENCE_LASER_POWER_MW * 1e-3 / (np.pi * FIELD_AREA)
         return self._light.moved(self.rig.projector(T_world_cam), mean)
 
+    def view(self, T_world_cam: RigidTransform) -> StereoView:
+        """What both imagers meet first from there; kept until the pose changes, by all cameras `changed` from one."""
+        pose = T_world_cam.as_matrix().tobytes()
+        if pose not in self._view:
+            self._view.clear()
+            self._view[pose] = StereoView.at(self.world, self.projector_light(T_world_cam), self.rig, T_world_cam)
+        return self._view[pose]
+
     def render(self, T_world_cam: RigidTransform) -> tuple[RadianceLayers, RadianceLayers]:
         """Radiance at the left and the right imager for the reference laser power."""
-        light = self.projector_light(T_world_cam)
-        poses = (T_world_cam, self.rig.right_imager(T_world_cam))
-        return render_stereo(self.world, light, self.rig.intrinsics, poses, self._sampling)
+        return render_stereo(self.world, self.view(T_world_cam), self._sampling)
+
+    def dots_in_shadow(self, T_world_cam: RigidTransform) -> tuple[Float32[np.ndarray, "h w"], ...]:
+        """What Lambertian surfaces would send to either imager if nothing hid the projector from them, beyond what they
+        do send [W m^-2 sr^-1]."""
+        view, n = self.view(T_world_cam), self._sampling.subpixels
+        return tuple(first.dots(n, 0).kept_from(self.world) for first in (view.left, view.right))
 
     def measure(self, T_world_cam: RigidTransform, n_frames: int) -> Measurement:
         """Render the pose once, then expose, match and decimate `n_frames` noisy pairs."""
@@ -154,7 +168,7 @@ class SimulatedD435i:
 
     def truth(self, T_world_cam: RigidTransform) -> Truth:
         """Exact maps at full resolution."""
-        return measure_truth(self.world, self.rig, T_world_cam)
+        return measure_truth(self.world, self.rig, T_world_cam, self.view(T_world_cam).left.surface)
 
     @property
     def window(self) -> Window | None:
@@ -176,6 +190,8 @@ class SimulatedD435i:
         other = copy.copy(self)
         if scene is not None:
             other.world = load_scene(scene)
+            if not scene.has_geometry_of(self.world.source):
+                other._view = {}
         if imager is not None:
             other.settings = self.settings.model_copy(update={"imager": imager, "auto_exposure": False})
         other._sampling = replace(self._sampling, **sampling)

@@ -1,4 +1,4 @@
-"""Measure a pose again with one thing changed: no projector shadows, one surface only, dots as strong as near by.
+"""Measure a pose again with one thing changed: dots in the shadows too, one surface only, dots as strong as near by.
 
 Noise and speckle stay those of the measurement, and so do exposure and gain unless dots are added to darkness: nothing
 but the light differs. These leave the metal in place, which gives false depth by itself: a pixel has come back only
@@ -22,16 +22,14 @@ FULL_STRENGTH_AT = 0.3
 
 
 def matched_without_shadows(camera: SimulatedD435i, measurement: Measurement, truth: Truth) -> Bool[np.ndarray, "h w"]:
-    """Pixels that are matched rightly when nothing stands in the projector's light.
-
-    The lamps' light is that of the measurement, so one point on each lamp will do for the rendering.
-    """
-    lit, pose = (
-        camera.changed(imager=measurement.imager, projector_shadows=False, lamp_points=1),
-        measurement.T_world_cam,
+    """Pixels that are matched rightly when nothing stands in the way of the dots to Lambertian surfaces."""
+    lit, pose = camera.changed(imager=measurement.imager), measurement.T_world_cam
+    left, right = (
+        RadianceLayers(layers.projector + missing, layers.ambient)
+        for layers, missing in zip(
+            (measurement.left_layers, measurement.right_layers), camera.dots_in_shadow(pose), strict=True
+        )
     )
-    before = (measurement.left_layers, measurement.right_layers)
-    left, right = (RadianceLayers(a.projector, b.ambient) for a, b in zip(lit.render(pose), before, strict=True))
     return is_matched_rightly(lit, lit.expose(pose, left, right, len(measurement.z16)), truth)
 
 

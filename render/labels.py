@@ -28,7 +28,7 @@ from render.infrared_evidence import WHITE_SHARE, reflection_kinds, true_partner
 from render.interventions import matched_at_first_surface, matched_with_strong_dots
 from render.matte_twin import MatteTwin, in_window, measure_twin
 from render.mitsuba_scene import NO_BODY
-from render.surface import SurfaceMap, surface_map
+from render.surface import SurfaceMap
 from render.truth import Truth
 
 
@@ -73,7 +73,7 @@ def label_frame(
     twin = twin or measure_twin(camera, T_world_cam, len(measurement.z16), truth)
     if twin.n_frames != len(measurement.z16):
         raise ValueError(f"twin of {twin.n_frames} frames, burst of {len(measurement.z16)}; measure both alike")
-    right = surface_map(camera.world, camera.rig.intrinsics, camera.rig.right_imager(T_world_cam))
+    right = camera.view(T_world_cam).right.surface
     touched = _touched(camera, measurement, truth, right)
     outcome, window = burst_outcome(camera, measurement, truth), in_window(camera)
     cause = _causes(camera, measurement, truth, right, twin, outcome.invalid & window, touched)

@@ -89,7 +89,6 @@ def trace_paths(
     *,
     first_vertex: int = 0,
     filtered: bool = True,
-    projector_shadows: bool = True,
     smooth: SmoothRadiance | None = None,
 ) -> tuple[Any, Any]:
     """Radiance along `ray` from the projector and from the lamps [W m^-2 sr^-1], one value a path.
@@ -97,7 +96,6 @@ def trace_paths(
     max_depth: surface vertices of a path at the most. first_vertex: number of the vertex that `ray` meets, > 0 where
     the path's earlier vertices are the caller's and Lambertian: then lamps met directly count nothing (the caller
     connected them) and dots are looked up with the footprint of a cosine lobe's sample.
-    projector_shadows: whether anything stands in the projector's light.
     smooth: what is known already of the light that Lambertian surfaces send out, the dots' own light left out. A path
     that meets such a place takes it from there and ends.
     """
@@ -137,8 +135,7 @@ def trace_paths(
         f_cos, _ = values[0]
         s, cos_axis = light.white_wall_radiance(-towards, footprint, connected)
         lit = connected & (f_cos > 0) & (s > 0)
-        if projector_shadows:
-            lit &= ~scene.ray_test(si.spawn_ray_to(light.position), coherent=i == 0, active=lit)
+        lit &= ~scene.ray_test(si.spawn_ray_to(light.position), coherent=i == 0, active=lit)
         # White-wall radiance s at 1 m means irradiance pi s / z^2 with z = r cos, on a surface that faces the axis.
         irradiance = dr.pi * s / (dr.maximum(cos_axis**3, 1e-6) * distance2)
         from_projector += dr.select(lit, beta * f_cos * irradiance, 0)

@@ -41,8 +41,6 @@ class Sampling:
     """Surface vertices of a path: 1 = direct light only, 3 = two bounces more."""
     filtered: bool = True
     """Look dots behind a glossy vertex up with the footprint of a sample."""
-    projector_shadows: bool = True
-    """Let things stand in the projector's light. False lifts all its shadows, to see what they cost."""
     whole_paths_everywhere: bool = False
     """Treat every pixel as glossy: the reference."""
     rotated: bool = False

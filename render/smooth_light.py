@@ -191,7 +191,6 @@ def _indirect_light(
         sampling.max_depth,
         first_vertex=1,
         filtered=sampling.filtered,
-        projector_shadows=sampling.projector_shadows,
     )
     return sample_means([layer * albedo for layer in paths], n)
 

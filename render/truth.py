@@ -10,7 +10,7 @@ from franbv.frames import project
 from render import backend
 from render.mitsuba_scene import FIRST_LAMP, LoadedScene
 from render.rig import Rig
-from render.surface import SurfaceMap, surface_map
+from render.surface import SurfaceMap
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,9 +33,8 @@ class Truth:
     """Whether nothing hides the point from the projector."""
 
 
-def measure_truth(world: LoadedScene, rig: Rig, T_world_cam: RigidTransform) -> Truth:
-    """Cast the truth for a rig whose left imager stands at `T_world_cam`."""
-    surface = surface_map(world, rig.intrinsics, T_world_cam)
+def measure_truth(world: LoadedScene, rig: Rig, T_world_cam: RigidTransform, surface: SurfaceMap) -> Truth:
+    """The truth for a rig whose left imager stands at `T_world_cam` and sees this surface."""
     hit = surface.body < FIRST_LAMP
     shape = hit.shape
     points = surface.position.reshape(-1, 3).astype(float)

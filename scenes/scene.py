@@ -1,5 +1,6 @@
 """A scene as plain data: bodies with materials, lamps and a constant ambient radiance. World frame, metres, z up."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -70,6 +71,18 @@ class Scene:
         return Mesh(
             np.concatenate([b.mesh.vertices for b in self.part_bodies]),
             np.concatenate([b.mesh.faces + o for b, o in zip(self.part_bodies, offsets, strict=False)]),
+        )
+
+    def has_geometry_of(self, other: "Scene") -> bool:
+        """Whether both differ in materials at the most: the same meshes in the same order under the same light."""
+
+        def same(mine: Sequence[object], others: Sequence[object]) -> bool:
+            return len(mine) == len(others) and all(a is b for a, b in zip(mine, others, strict=True))
+
+        return (
+            same([body.mesh for body in self.bodies], [body.mesh for body in other.bodies])
+            and same(self.lamps, other.lamps)
+            and self.ambient_radiance == other.ambient_radiance
         )
 
     def with_materials(self, change) -> "Scene":

@@ -22,12 +22,18 @@ DIRECT = Sampling(max_depth=1)
 
 
 @pytest.fixture(scope="module")
-def layers():
-    """Projector layers of both imagers: a post before a wall, no lamps; direct light alone, since the post's back sends
-    some of the wall's light into its own shadow."""
+def camera():
+    """Before a post that stands before a wall, no lamps; direct light alone, since the post's back sends some of the
+    wall's light into its own shadow."""
     face = rectangle([POST, 0, 0], [0, 0, 0], 2 * HALF_WIDTH, 4.0)
     scene = Scene("post", (*wall(WALL).bodies, Body("post", face, Matte("post", 0.5), True)), (), 0.0)
-    return [side.projector for side in SimulatedD435i(scene, SETTINGS, sampling=DIRECT).render(facing_x())]
+    return SimulatedD435i(scene, SETTINGS, sampling=DIRECT)
+
+
+@pytest.fixture(scope="module")
+def layers(camera):
+    """Projector layers of both imagers."""
+    return [side.projector for side in camera.render(facing_x())]
 
 
 def edges_of_darkness(row):
@@ -56,6 +62,21 @@ def test_post_casts_its_shadow_beside_itself(layers, imager, offset):
     first, last = (columns.start + edge for edge in edges_of_darkness(image[:, columns].max(axis=0)))
     assert first == pytest.approx(shadow[0], abs=EDGE_PX)
     assert last == pytest.approx(shadow[1], abs=EDGE_PX)
+
+
+@pytest.mark.parametrize("imager", [0, 1])
+def test_lifted_shadow_shows_the_wall_as_if_no_post_were_there(camera, layers, imager):
+    """Light and lifted shadow together are the bare wall's light wherever the wall is seen; the post keeps its own."""
+    bare = SimulatedD435i(wall(WALL), SETTINGS, sampling=DIRECT).render(facing_x())[imager].projector
+    lifted = layers[imager] + camera.dots_in_shadow(facing_x())[imager]
+    imager_x = 0.0 if imager == 0 else BASELINE
+    sides = [319.5 + 321 * (side * HALF_WIDTH - imager_x) / POST for side in (-1, 1)]
+    behind = np.s_[:, round(sides[0]) + 1 : round(sides[1])]
+    beside = [np.s_[:, : round(sides[0]) - 1], np.s_[:, round(sides[1]) + 1 :]]
+    for columns in beside:
+        np.testing.assert_allclose(lifted[columns], bare[columns], rtol=1e-5)
+    assert np.array_equal(lifted[behind], layers[imager][behind])
+    assert np.any(lifted > layers[imager])
 
 
 def test_field_ends_hard_on_all_sides():

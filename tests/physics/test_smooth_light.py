@@ -7,6 +7,7 @@ from franbv.frames import look_at
 from materials.fresnel import conductor_reflectance
 from materials.material import Matte, RoughConductor
 from render.dot_pattern import d435_pattern
+from render.first_surface import StereoView
 from render.light_paths import Imager
 from render.mitsuba_scene import NO_BODY, load_scene
 from render.projector_light import ProjectorLight
@@ -41,7 +42,7 @@ def test_right_imager_looks_up_as_truly_as_it_computes(light):
     inside = np.s_[80:152, 150:246]
     truth = render_layers(world, light, window, right, Sampling().reference(256)).ambient
     computed = render_layers(world, light, RIG.intrinsics, right, Sampling()).ambient[inside]
-    looked_up = render_stereo(world, light, RIG.intrinsics, (POSE, right), Sampling())[1].ambient[inside]
+    looked_up = render_stereo(world, StereoView.at(world, light, RIG, POSE), Sampling())[1].ambient[inside]
     assert not np.array_equal(looked_up, computed)
     errors = [np.abs(image / truth - 1) for image in (looked_up, computed)]
     for percentile in (50, 90, 98):
