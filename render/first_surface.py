@@ -16,7 +16,7 @@ from franbv.frames import Intrinsics
 from render import backend
 from render.light_paths import Imager, light_met
 from render.mitsuba_scene import LoadedScene
-from render.projector_light import ProjectorLight
+from render.projector_light import ProjectorLight, fall_off
 from render.rig import Rig
 from render.sampling import SampleSet, sample_means
 from render.surface import SurfaceMap, surface_map
@@ -26,7 +26,8 @@ from render.surface import SurfaceMap, surface_map
 class Dots:
     """How the projector's dots fall on each of a pixel's n samples, and the lamps that the pixel sees themselves.
 
-    The light of a sample on a Lambertian surface is albedo cosine white_wall / fall_off [W m^-2 sr^-1].
+    A sample on a Lambertian surface, whose lobe is albedo / pi, sends back albedo cosine white_wall / fall_off
+    [W m^-2 sr^-1].
     """
 
     n: int
@@ -38,7 +39,7 @@ class Dots:
     white_wall: Any
     """Float: radiance of a white wall at 1 m in this direction [W m^-2 sr^-1], shadows not regarded."""
     fall_off: Any
-    """Float: of white_wall and cosine with distance and angle, cos^3 r^2 [m^2]."""
+    """Float: `projector_light.fall_off` [m^2]."""
     hidden: Any
     """Bool: something stands between the sample and the projector."""
     lamps_seen: Float32[np.ndarray, "h w"]
@@ -110,21 +111,18 @@ class FirstSurface:
         si = self.world.scene.ray_intersect(ray, mi.RayFlags.All, coherent=True)
         body = self.world.body(si)
 
-        to_projector = self.light.position - si.p
-        distance2 = dr.maximum(dr.squared_norm(to_projector), 1e-9)
-        towards = to_projector * dr.rsqrt(distance2)
+        towards, distance2 = self.light.connection(si.p)
         cosine = dr.maximum(dr.dot(si.sh_frame.n, towards) * -dr.sign(dr.dot(si.sh_frame.n, ray.d)), 0)
         lit = si.is_valid() & (cosine > 0)
         white_wall, cos_axis = self.light.white_wall_radiance(-towards, mi.Float(0), lit)
         lit &= white_wall > 0
         hidden = self.world.scene.ray_test(si.spawn_ray_to(self.light.position), coherent=True, active=lit)
-        # White-wall radiance s at 1 m means irradiance pi s / z^2 with z = r cos; the Lambertian lobe is albedo / pi.
-        fall_off = dr.maximum(cos_axis**3, 1e-6) * distance2
+        away = fall_off(cos_axis, distance2)
         lamps_seen = light_met(self.world, si, ray, body, mi.Float(0), mi.UInt32(0), mi.Bool(False))
         white_wall = dr.select(lit, white_wall, 0)
-        dr.eval(body, cosine, white_wall, fall_off, hidden, lamps_seen)
+        dr.eval(body, cosine, white_wall, away, hidden, lamps_seen)
         seen = sample_means([lamps_seen], n).reshape(height, width)
-        return Dots(n, body, cosine, white_wall, fall_off, hidden, seen)
+        return Dots(n, body, cosine, white_wall, away, hidden, seen)
 
 
 @dataclass(frozen=True, eq=False)

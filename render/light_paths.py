@@ -24,7 +24,7 @@ from scipy.spatial.transform import RigidTransform
 from franbv.frames import Intrinsics
 from render import backend
 from render.mitsuba_scene import FIRST_LAMP, LoadedScene
-from render.projector_light import ProjectorLight
+from render.projector_light import ProjectorLight, fall_off
 from render.sampling import DIMENSIONS_PIXEL, DIMENSIONS_VERTEX, SampleSet
 
 FOOTPRINT_SIGMA = 0.5
@@ -122,9 +122,7 @@ def trace_paths(
         # Where light may come from: the projector, one point on each lamp.
         dimension = DIMENSIONS_PIXEL + DIMENSIONS_VERTEX * i
         u = [samples.uniform(sample, pixel, dimension + k, active) for k in range(DIMENSIONS_VERTEX)]
-        to_projector = light.position - si.p
-        distance2 = dr.maximum(dr.squared_norm(to_projector), 1e-9)
-        towards = to_projector * dr.rsqrt(distance2)
+        towards, distance2 = light.connection(si.p)
         links = [lamp.connection(si.p, u[2], u[3]) for lamp in world.lamps]
         directions = [si.to_local(towards), *(si.to_local(direction) for _, direction, _ in links)]
         values, onwards, bsdf_pdf, weight = _scatter(
@@ -136,8 +134,7 @@ def trace_paths(
         s, cos_axis = light.white_wall_radiance(-towards, footprint, connected)
         lit = connected & (f_cos > 0) & (s > 0)
         lit &= ~scene.ray_test(si.spawn_ray_to(light.position), coherent=i == 0, active=lit)
-        # White-wall radiance s at 1 m means irradiance pi s / z^2 with z = r cos, on a surface that faces the axis.
-        irradiance = dr.pi * s / (dr.maximum(cos_axis**3, 1e-6) * distance2)
+        irradiance = dr.pi * s / fall_off(cos_axis, distance2)
         from_projector += dr.select(lit, beta * f_cos * irradiance, 0)
 
         place, arriving = _chosen_lamp(world, links, values[1:], glossy, u[5])

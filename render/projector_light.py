@@ -48,6 +48,14 @@ class ProjectorLight:
         dr.make_opaque(light.mean, light.position, light.world_to_projector)
         return light
 
+    def connection(self, p: Any) -> tuple[Any, Any]:
+        """Unit vectors from points to the projector, and the squared distances [m^2]."""
+        import drjit as dr
+
+        way = self.position - p
+        distance2 = dr.maximum(dr.squared_norm(way), 1e-9)
+        return way * dr.rsqrt(distance2), distance2
+
     def white_wall_radiance(self, direction: Any, footprint: Any, active: Any) -> tuple[Any, Any]:
         """s [W m^-2 sr^-1] towards `direction` (world, from the projector), and the cosine to the projector's axis.
 
@@ -71,6 +79,17 @@ class ProjectorLight:
         blurred = self.blurred.eval(mi.Point3f(uv_wide.x, uv_wide.y, w), near_field & ~is_sharp)[0]
         sharp = dr.select(in_field, self.sharp.eval(uv, in_field & is_sharp)[0], 0.0)
         return self.mean * dr.select(is_sharp, sharp, dr.select(near_field, blurred, 0.0)), local.z
+
+
+def fall_off(cos_axis: Any, distance2: Any) -> Any:
+    """r^2 cos^3 of places at this angle to the projector's axis [m^2]: the divisor of a white wall's radiance at 1 m.
+
+    That radiance s means irradiance pi s / (r cos)^2 on a surface across the axis; one that faces the projector gets
+    1 / cos times as much.
+    """
+    import drjit as dr
+
+    return dr.maximum(cos_axis**3, 1e-6) * distance2
 
 
 def _blur_level(blur: Any) -> Any:
