@@ -17,11 +17,12 @@ class Cause(IntEnum):
     OCCLUSION = 4
     OCCLUSION_WINDOW = 5
     PROJECTOR_SHADOW = 6
-    REFLECTION_DARK = 7
-    REFLECTION_SATURATED = 8
-    REFLECTION_DISAGREEING = 9
-    REFLECTION_INTERREFLECTION = 10
-    UNEXPLAINED = 11
+    OVER_EXPOSED = 7
+    REFLECTION_DARK = 8
+    REFLECTION_SATURATED = 9
+    REFLECTION_DISAGREEING = 10
+    REFLECTION_INTERREFLECTION = 11
+    UNEXPLAINED = 12
     FALSE_DEPTH_REFLECTION = 20
     FALSE_DEPTH_OTHER = 21
     UNMEASURED = 255
@@ -68,6 +69,12 @@ LEGEND: dict[Cause, LegendEntry] = {
     ),
     Cause.PROJECTOR_SHADOW: LegendEntry(
         "projector_shadow", "projector_shadow", (125, 85, 175), "no dots reach it, and it comes back when they do"
+    ),
+    Cause.OVER_EXPOSED: LegendEntry(
+        "over_exposed",
+        "over_exposed",
+        (245, 250, 200),
+        "white on a matte surface as well, and that comes back at a shorter exposure",
     ),
     Cause.REFLECTION_DARK: LegendEntry(
         "reflection_dark",

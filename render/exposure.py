@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import cast
 
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import Bool, Float32
 from scipy.optimize import brentq
 
 from render.imager_settings import (
@@ -19,7 +19,6 @@ from render.imager_settings import (
     native_pixels,
 )
 from render.lens import through_lens
-from render.matcher import Window
 
 PHOTON_ENERGY = 6.62607015e-34 * 299_792_458.0 / WAVELENGTH
 """h c / lambda [J]."""
@@ -75,17 +74,16 @@ def auto_exposure(
     projector: Float32[np.ndarray, "h w"],
     ambient: Float32[np.ndarray, "h w"],
     settings: ImagerSettings,
-    roi: Window | None = None,
+    pixels: Bool[np.ndarray, "h w"] | None = None,
 ) -> tuple[float, float]:
-    """Exposure time [us] and gain, both whole numbers, at which the mean grey value of `roi` meets the set-point.
+    """Exposure time [us] and gain, both whole numbers, at which the mean grey value of `pixels` meets the set-point.
 
     Gain stays at 16 until the exposure has reached its limit of 33 ms; what is too bright or too dark for both ends at
-    their limits. projector, ambient: as in `mean_electrons`, of the left imager. roi: None = the middle of the image.
+    their limits. projector, ambient: as in `mean_electrons`, of the left imager. pixels: None = the image's middle.
     """
-    rows, columns = (roi or _middle(*projector.shape)).slices
-    sample = (slice(rows.start, rows.stop, _STRIDE), slice(columns.start, columns.stop, _STRIDE))
+    sample = _middle(*projector.shape) if pixels is None else pixels
     unit = settings.model_copy(update={"exposure_us": 1.0, "laser_pulse_us": None})
-    laser_rate, ambient_rate = (layer[sample] for layer in mean_electrons(projector, ambient, unit))
+    laser_rate, ambient_rate = (np.atleast_2d(layer[sample]) for layer in mean_electrons(projector, ambient, unit))
 
     def excess(exposure_us: float, gain: float) -> float:
         exposed = settings.model_copy(update={"exposure_us": exposure_us, "gain": gain})
@@ -108,7 +106,7 @@ def _root(excess: Callable[[float], float], low: float, high: float) -> float:
     return math.exp(cast(float, brentq(lambda x: excess(math.exp(x)), math.log(low), math.log(high), xtol=1e-6)))
 
 
-def _middle(height: int, width: int) -> Window:
-    """The auto-exposure region of an image."""
+def _middle(height: int, width: int) -> tuple[slice, slice]:
+    """A sample of the image's region that auto-exposure averages."""
     left, top = round(width * (1 - AUTO_EXPOSURE_SHARE) / 2), round(height * (1 - AUTO_EXPOSURE_SHARE) / 2)
-    return Window(left, top, width - 2 * left, height - 2 * top)
+    return slice(top, height - top, _STRIDE), slice(left, width - left, _STRIDE)

@@ -46,6 +46,18 @@ def reflection_kinds(
     return np.where(pixels, _spread(shown), np.uint8(Cause.MEASURED))
 
 
+def is_white(measurement: Measurement, truth: Truth, rig: Rig) -> Bool[np.ndarray, "h w"]:
+    """Pixels whose window, or that of their partner, is saturated in the burst's mean images."""
+    left, right = (
+        white_share(images.mean(axis=0, dtype=np.float32)) for images in (measurement.lefts, measurement.rights)
+    )
+    white = left >= WHITE_SHARE
+    at = np.argwhere(~white & (truth.depth > 0))
+    partners = np.rint(true_partners(truth.depth, rig, at)).astype(int)
+    white[tuple(at.T)] = right[at[:, 0], partners] >= WHITE_SHARE
+    return white
+
+
 def looks_different(measurement: Measurement, other: Measurement, truth: Truth, rig: Rig) -> Bool[np.ndarray, "h w"]:
     """Pixels whose window, or that of their partner, is brighter or darker in the other burst by LEAST_CONTRAST."""
     left, right = (

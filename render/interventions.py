@@ -1,8 +1,8 @@
-"""Measure a pose again with one thing changed: dots in the shadows too, one surface only, dots as strong as near by.
+"""Measure a pose again with one thing changed: dots in shadows, another exposure, one surface only, strong dots.
 
-Noise and speckle stay those of the measurement, and so do exposure and gain unless dots are added to darkness: nothing
-but the light differs. These leave the metal in place, which gives false depth by itself: a pixel has come back only
-when it is matched rightly.
+Noise and speckle stay those of the measurement, and so do exposure and gain unless they are the question or dots are
+added to darkness: nothing but the light differs. These leave the metal in place, which gives false depth by itself: a
+pixel has come back only when it is matched rightly.
 """
 
 import numpy as np
@@ -31,6 +31,18 @@ def matched_without_shadows(camera: SimulatedD435i, measurement: Measurement, tr
         )
     )
     return is_matched_rightly(lit, lit.expose(pose, left, right, len(measurement.z16)), truth)
+
+
+def matched_when_exposed_for(
+    camera: SimulatedD435i, measurement: Measurement, truth: Truth, pixels: Bool[np.ndarray, "h w"]
+) -> Bool[np.ndarray, "h w"]:
+    """Pixels that are matched rightly when exposure and gain are such that the given ones are as bright as an image
+    should be on average."""
+    left, right = measurement.left_layers, measurement.right_layers
+    exposure_us, gain = auto_exposure(left.projector, left.ambient, measurement.imager, pixels)
+    imager = measurement.imager.model_copy(update={"exposure_us": exposure_us, "gain": gain})
+    again = camera.changed(imager=imager)
+    return is_matched_rightly(again, again.expose(measurement.T_world_cam, left, right, len(measurement.z16)), truth)
 
 
 def matched_at_first_surface(camera: SimulatedD435i, measurement: Measurement, truth: Truth) -> Bool[np.ndarray, "h w"]:

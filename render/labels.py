@@ -1,12 +1,13 @@
 """Labels by intervention: why each pixel has no depth, and which depths are false.
 
 One thing is changed at a time and the same pose measured again, to see whether the pixel comes back. In this order:
-what geometry forbids (range, overlap, hidden from the right imager); the projector's shadows; what the matcher's window
-cannot hold, where the matte twin is lost too; the matte twin; dots as strong as near by. Interventions are made only
-where they can still decide.
+what geometry forbids (range, overlap, hidden from the right imager); the projector's shadows; an exposure that drowns
+it; what the matcher's window cannot hold, where the matte twin is lost too; the matte twin; dots as strong as near by.
+Interventions are made only where they can still decide.
 
 Shadows are lifted from the matte twin: where it is lost as well and comes back when dots reach it, no material would
-have helped. Where it has depth in the same shadow, dots were not what was missing.
+have helped. Where it has depth in the same shadow, dots were not what was missing. Likewise the twin is exposed anew
+where it is lost and white.
 
 The twin convicts a material only where a surface that is not matte lies within the matcher's window, or an
 over-exposure drowns the pixel: anywhere else it is the same surface, and whether it comes back in a new measurement of
@@ -104,6 +105,7 @@ def _causes(
         np.copyto(cause, np.uint8(as_cause), where=pixels & (cause == Cause.MEASURED))
 
     settle(invalid & twin.lost_to_shadow, Cause.PROJECTOR_SHADOW)
+    settle(invalid & twin.lost_to_exposure, Cause.OVER_EXPOSED)
     reflects = invalid & ~twin.outcome.invalid & touched & (cause == Cause.MEASURED)
     settle(invalid & ~reflects, places.window)
     settle(invalid & ~reflects & places.near_dark, Cause.OUT_OF_REACH)

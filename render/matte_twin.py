@@ -17,7 +17,8 @@ from render.burst_outcome import Outcome, burst_outcome
 from render.causes import Cause
 from render.d435i import SimulatedD435i
 from render.geometric_causes import geometry
-from render.interventions import matched_without_shadows
+from render.infrared_evidence import is_white
+from render.interventions import matched_when_exposed_for, matched_without_shadows
 from render.truth import Truth
 from scenes.scene import Scene
 
@@ -29,6 +30,8 @@ class MatteTwin:
     outcome: Outcome
     lost_to_shadow: Bool[np.ndarray, "h w"]
     """Invalid, and matched rightly once the projector's shadows are lifted."""
+    lost_to_exposure: Bool[np.ndarray, "h w"]
+    """Invalid and white, and matched rightly at a shorter exposure."""
     n_frames: int
     """Length of the burst: the noise of a shorter one would differ at the margin."""
 
@@ -54,17 +57,21 @@ def measure_twin(
 
     truth: from the same pose, if it is known already. before_twin: `twin_camera(camera)`, loaded once for many poses.
 
-    The rendering without shadows is spared where the twin loses nothing near one.
+    What was lost near a shadow is measured again without shadows, and what was lost in white at a shorter exposure.
     """
     truth = truth or camera.truth(T_world_cam)
     twin = before_twin or twin_camera(camera)
     measurement = twin.measure(T_world_cam, n_frames)
     outcome = burst_outcome(twin, measurement, truth)
     places = geometry(camera, truth)
-    lost = outcome.invalid & in_window(camera) & places.near_shadow & (places.impossible == Cause.MEASURED)
-    if lost.any():
-        lost &= matched_without_shadows(twin, measurement, truth)
-    return MatteTwin(outcome, lost, n_frames)
+    lost = outcome.invalid & in_window(camera) & (places.impossible == Cause.MEASURED)
+    in_shadow = lost & places.near_shadow
+    if in_shadow.any():
+        in_shadow &= matched_without_shadows(twin, measurement, truth)
+    white = lost & is_white(measurement, truth, camera.rig)
+    if white.any():
+        white &= matched_when_exposed_for(twin, measurement, truth, white)
+    return MatteTwin(outcome, in_shadow, white, n_frames)
 
 
 def in_window(camera: SimulatedD435i) -> Bool[np.ndarray, "h w"]:

@@ -11,7 +11,8 @@ from studies.cases import finished_case, writing
 from studies.sensitivity_cases import TwinConfig, look_camera, look_pose, look_scene
 from studies.stored_view import read_arrays, write_arrays
 
-MAPS = ("invalid", "is_false", "invalid_decimated", "false_decimated", "lost_to_shadow")
+OUTCOME_MAPS = ("invalid", "is_false", "invalid_decimated", "false_decimated")
+OWN_MAPS = ("lost_to_shadow", "lost_to_exposure")
 """Maps of a twin: those of its outcome, and its own."""
 TWIN_FILE = "twin.npz"
 
@@ -33,7 +34,9 @@ def stored_twin(folder: Path, config: TwinConfig) -> MatteTwin:
 
 def write_twin(path: Path, twin: MatteTwin) -> None:
     """Eight pixels a byte."""
-    maps = {name: getattr(twin.outcome, name) for name in MAPS[:-1]} | {MAPS[-1]: twin.lost_to_shadow}
+    maps = {name: getattr(twin.outcome, name) for name in OUTCOME_MAPS} | {
+        name: getattr(twin, name) for name in OWN_MAPS
+    }
     packed = {name: np.packbits(image) for name, image in maps.items()}
     shapes = {f"{name}_shape": np.array(image.shape) for name, image in maps.items()}
     write_arrays(path, {**packed, **shapes, "n_frames": np.array(twin.n_frames)})
@@ -42,8 +45,8 @@ def write_twin(path: Path, twin: MatteTwin) -> None:
 def read_twin(path: Path) -> MatteTwin:
     """The twin as it was written."""
     arrays = read_arrays(path)
-    *outcome, lost_to_shadow = (_image(arrays, name) for name in MAPS)
-    return MatteTwin(Outcome(*outcome), lost_to_shadow, int(arrays["n_frames"]))
+    outcome, own = ([_image(arrays, name) for name in names] for names in (OUTCOME_MAPS, OWN_MAPS))
+    return MatteTwin(Outcome(*outcome), *own, int(arrays["n_frames"]))
 
 
 def _image(arrays: dict[str, np.ndarray], name: str) -> Bool[np.ndarray, "h w"]:

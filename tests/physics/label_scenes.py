@@ -126,6 +126,14 @@ def before_the_projector() -> Case:
     return labelled(scene, columns(middle - half + 1, middle + half - 1), FIXED)
 
 
+@cache
+def over_exposed() -> Case:
+    """A wall at 0.4 m under a bright lamp, exposed for 33 ms, about ten times as long as the camera chooses: white
+    all over. Right of the left band, 213 * 0.05 / 0.4 = 26.6 columns, nothing else is wrong with it."""
+    settings = FIXED.model_copy(update={"imager": ImagerSettings(exposure_us=33_000.0)})
+    return labelled(scene_of(wall_at(0.4), lamps=(behind_camera(40.0),)), columns(45, W), settings)
+
+
 def tilted_plate(what: Material, incidence_deg: float, side: float = 0.16, distance: float = 0.35) -> Body:
     """A plate across the optical axis whose normal is turned upwards from the camera by the angle."""
     turn = np.radians(incidence_deg)

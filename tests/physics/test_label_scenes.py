@@ -26,6 +26,7 @@ SCENES = [
     (scenes.half_hidden, Cause.OCCLUSION, 0.9),
     (scenes.steep_plate, Cause.OCCLUSION_WINDOW, 0.2),
     (scenes.before_the_projector, Cause.PROJECTOR_SHADOW, 0.5),
+    (scenes.over_exposed, Cause.OVER_EXPOSED, 0.9),
     (scenes.dark_mirror, Cause.REFLECTION_DARK, 0.2),
     (scenes.mirrored_lamp, Cause.REFLECTION_SATURATED, 0.2),
     (scenes.twisted_mirror, Cause.REFLECTION_DISAGREEING, 0.2),
@@ -66,6 +67,7 @@ def test_twin_depends_on_geometry_alone():
     for name in ("invalid", "is_false", "invalid_decimated", "false_decimated"):
         assert np.array_equal(getattr(twins[0].outcome, name), getattr(twins[1].outcome, name))
     assert np.array_equal(twins[0].lost_to_shadow, twins[1].lost_to_shadow)
+    assert np.array_equal(twins[0].lost_to_exposure, twins[1].lost_to_exposure)
 
 
 def test_twin_chooses_its_own_exposure():
