@@ -52,17 +52,20 @@ class Record:
         last = np.flatnonzero(np.diff(self.iterations, append=self.iterations[-1] + 1))
         return values[last]
 
-    def iteration_times(self) -> dict[str, Float[np.ndarray, "i"]]:
-        """Planning, motion and exposure of each NBV iteration with its recoveries [s].
+    def iteration_times(self, overhead_s: float = 0.0) -> dict[str, Float[np.ndarray, "i"]]:
+        """Planning, motion, exposure and overhead of each NBV iteration with its recoveries [s].
 
-        Iteration 0 is the given first view: nothing is chosen, but its recoveries are those that FRA begins with.
+        The first view is given and belongs to no iteration; recoveries that it starts count to the first one.
+        overhead_s: of every view.
         """
         parts = {
             "planning": self.planning_s,
             "motion": self.motion_s,
             "exposure": np.full(len(self.kinds), self.n_frames * FRAME_S),
+            "overhead": np.full(len(self.kinds), overhead_s),
         }
-        return {name: np.bincount(self.iterations, values) for name, values in parts.items()}
+        places, n = np.maximum(self.iterations[1:], 1) - 1, int(self.iterations[-1])
+        return {name: np.bincount(places, values[1:], minlength=n)[:n] for name, values in parts.items()}
 
     def increments(self, kind: str) -> tuple[Float[np.ndarray, "v"], Float[np.ndarray, "v"]]:
         """Coverage before each view of a kind, and what the view added to it."""
@@ -145,9 +148,9 @@ COLUMNS = (
     *(Column(name, pa.float64(), meaning) for name, meaning in SUMMARY.items()),
     *(Column(name, pa.int32(), meaning) for name, meaning in COUNTS.items()),
     Column("stop", pa.string(), "Rule that ended the run"),
-    Column("planning_s", pa.float64(), "Median processor time of planning of an NBV iteration with its recoveries [s]"),
-    Column("motion_s", pa.float64(), "Median modelled motion time of the same [s]"),
-    Column("iteration_s", pa.float64(), "Median of planning, motion and exposure of the same [s]"),
+    Column("planning_s", pa.float64(), "Mean processor time of planning of an NBV iteration with its recoveries [s]"),
+    Column("motion_s", pa.float64(), "Mean modelled motion time of the same [s]"),
+    Column("iteration_s", pa.float64(), "Mean of planning, motion and exposure of the same [s]"),
     Column("processor_s", pa.float64(), "Processor time of the run, simulation included; shared bursts cost none [s]"),
 )
 """Of `runs.parquet`, a row per run."""
@@ -155,12 +158,12 @@ COLUMNS = (
 
 def table_row(record: Record) -> dict[str, Any]:
     """The row of one run."""
-    times = record.iteration_times()
-    total = times["planning"] + times["motion"] + times["exposure"]
+    times = {name: float(values.mean()) if len(values) else None for name, values in record.iteration_times().items()}
+    known = [seconds for seconds in times.values() if seconds is not None]
     return {
         **{name: getattr(record, name) for name in ("part", "arm", "run", "case", "processor_s")},
         **{name: record.summary[name] for name in (*SUMMARY, *COUNTS, "stop")},
-        "planning_s": float(np.median(times["planning"])),
-        "motion_s": float(np.median(times["motion"])),
-        "iteration_s": float(np.median(total)),
+        "planning_s": times["planning"],
+        "motion_s": times["motion"],
+        "iteration_s": sum(known) if known else None,
     }

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from jaxtyping import Float
 
 from studies.comparison_records import Record
 from studies.paired_statistics import Difference, Interval, mean_interval, paired_difference
@@ -80,31 +81,40 @@ class Comparison:
     def iteration_time(
         self, part: str, arm: str, stage: str | None = None, overhead_s: float = 0.0
     ) -> Quartiles | None:
-        """Quartiles over the NBV iterations of all runs [s].
+        """Quartiles over the runs of the average time of an NBV iteration [s]; None without any.
 
         stage: planning, motion or exposure, None = their sum. overhead_s: added for every view.
         """
-        runs = self.runs(part, arm)
-        if not runs:
-            return None
-        times = [record.iteration_times() for record in runs]
-        values = np.concatenate(
-            [
-                (row[stage] if stage else sum(row.values())) + overhead_s * np.bincount(record.iterations)
-                for row, record in zip(times, runs, strict=True)
-            ]
-        )
-        lower, median, upper = np.percentile(values, [25, 50, 75])
-        return Quartiles(float(lower), float(median), float(upper), len(values))
+        times = self._times(part, arm, stage, overhead_s)
+        return quartiles([run.mean() for run in times]) if times else None
 
-    def time_ratio(self, parts: Sequence[str], ours: str, theirs: str, stage: str | None = None) -> float | None:
-        """Mean over the parts of the ratio of two arms' median iteration times."""
+    def single_iteration_time(self, part: str, arm: str) -> Quartiles | None:
+        """Quartiles over the NBV iterations of all runs [s]: hardly moved by what befalls few of them."""
+        times = self._times(part, arm)
+        return quartiles(np.concatenate(times)) if times else None
+
+    def _times(
+        self, part: str, arm: str, stage: str | None = None, overhead_s: float = 0.0
+    ) -> list[Float[np.ndarray, "i"]]:
+        """Of the iterations of each run that has any."""
+        runs = [record for record in self.runs(part, arm) if record.iterations[-1] > 0]
+        times = [record.iteration_times(overhead_s) for record in runs]
+        return [row[stage] if stage else sum(row.values(), np.zeros(1)) for row in times]
+
+    def time_ratio(self, parts: Iterable[str], ours: str, theirs: str, stage: str | None = None) -> float | None:
+        """Mean over the parts, as far as both have runs, of the ratio of two arms' iteration times."""
         ratios = []
         for part in parts:
             a, b = self.iteration_time(part, ours, stage), self.iteration_time(part, theirs, stage)
             if a and b and b.median > 0:
                 ratios.append(a.median / b.median)
         return float(np.mean(ratios)) if ratios else None
+
+
+def quartiles(values: Sequence[float] | np.ndarray) -> Quartiles:
+    """Of at least one value."""
+    lower, median, upper = np.percentile(values, [25, 50, 75])
+    return Quartiles(float(lower), float(median), float(upper), len(values))
 
 
 def compared_coverage(a: Record, b: Record, at: At, cloud: Cloud) -> tuple[float, float]:

@@ -5,8 +5,9 @@ from typing import Any
 
 from studies.comparison_statistics import Comparison
 from studies.paired_statistics import Interval
-from studies.paper_results import findings, verdict_words
+from studies.paper_results import findings
 from studies.run_words import counted
+from studies.verdicts import verdict_words
 
 
 def json_summary(comparison: Comparison, parts: Sequence[str], planners: Sequence[str], failed: int, wall_s: float):
@@ -53,7 +54,7 @@ def paragraph(comparison: Comparison, planned: int, failed: int) -> str:
     missing = planned - len(comparison.records)
     rest = f" of {planned} that are planned" if missing else ", all that were planned"
     rest += f"; {counted(failed, 'run')} failed" if failed else ""
-    return f"{done}{rest}. {verdict_words(findings(comparison))}"
+    return f"{done}{rest}. {verdict_words(finding.verdict for finding in findings(comparison))}"
 
 
 def _ends(interval: Interval | None) -> list[float] | None:

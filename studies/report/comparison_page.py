@@ -12,7 +12,7 @@ from studies.comparison_preset import Preset
 from studies.comparison_statistics import Comparison
 from studies.comparison_summary import paragraph
 from studies.paired_statistics import holm
-from studies.paper_results import DIRECTION, FOUND, UNKNOWN, findings, points
+from studies.paper_results import findings, points
 from studies.planning_speed import SPEED
 from studies.report.comparison_tables import (
     ablation_rows,
@@ -31,9 +31,10 @@ from studies.report.planner_curves_figure import planner_curves_figure
 from studies.report.speed_figure import speed_figure
 from studies.report.templates import asset, environment
 from studies.stored_run import REPORT
+from studies.verdicts import DIRECTION, FOUND, TOO_FEW, UNKNOWN
 from studies.workers import Failure
 
-VERDICTS = {FOUND: "found", DIRECTION: "direction", UNKNOWN: "unknown"}
+VERDICTS = {FOUND: "found", DIRECTION: "direction", TOO_FEW: "unknown", UNKNOWN: "unknown"}
 """Classes of the verdicts; all others are missing."""
 
 

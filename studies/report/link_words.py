@@ -11,7 +11,8 @@ import numpy as np
 from studies.ablation import NamedAblation
 from studies.comparison_statistics import Comparison
 from studies.paired_statistics import Difference
-from studies.paper_results import FRA_LESS_PB_ON_D, points
+from studies.paper_numbers import FRA_LESS_PB_ON_D
+from studies.paper_results import points
 from studies.run_words import counted, percent
 
 

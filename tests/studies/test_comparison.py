@@ -17,7 +17,7 @@ from studies.comparison import with_named
 from studies.comparison_cases import RUNS, PlannedRun, jobs, planned_runs, seed_at
 from studies.comparison_preset import CORNER, Preset, load_preset
 from studies.link_change import LINKS, arm_name
-from studies.paper_results import ITERATION_S
+from studies.paper_numbers import ITERATION_S
 from studies.planning_speed import SPEED, SpeedTask, measure_speed, resampled, stored_bursts, with_voxels
 from studies.report.comparison_page import comparison_html
 from studies.report.page import flattened
@@ -245,10 +245,10 @@ def test_page_sets_every_number_of_the_paper_beside_ours():
         for lower, median, upper in rows.values():
             assert f"{median:.2f} [{lower:.2f} to {upper:.2f}]" in html
     for number in (
-        "+31 points",
-        "+56 points",
-        "about 10 % on A and B, up to 30 % on C and D",
-        "A &lt;= B &lt; C &lt; D",
+        "up to 31 %",
+        "approximately 56 %",
+        "around 10 % on A and B, up to approximately 30 % on C and D",
+        "A \u2264 B &lt; C &lt; D",
     ):
         assert number in html
     table = html[html.index('id="ablations"') :]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from studies.paired_statistics import holm, mean_interval, paired_difference, sign_flip_p
+from studies.paired_statistics import holm, least_p, mean_interval, paired_difference, sign_flip_p
 
 
 def test_bootstrap_interval_of_many_runs_is_the_normal_one():
@@ -15,6 +15,26 @@ def test_bootstrap_interval_of_many_runs_is_the_normal_one():
     assert found.mean == pytest.approx(values.mean())
     assert (found.low, found.high) == pytest.approx((values.mean() - half, values.mean() + half), abs=0.06 * half)
     assert found.count == 400
+
+
+def test_interval_of_fifteen_runs_is_as_wide_as_students():
+    """Half the width, averaged over samples of a normal law, against t(14, 97.5 %) s / sqrt(15) = 0.5538 s."""
+    samples = np.random.default_rng(7).normal(0.0, 1.0, (100, 15))
+    found = [mean_interval(sample.tolist()) for sample in samples]
+    ratio = np.mean([(i.high - i.low) / 2 / (0.5538 * x.std(ddof=1)) for i, x in zip(found, samples, strict=True)])
+    assert ratio == pytest.approx(1.0, abs=0.03)
+
+
+def test_interval_of_three_runs_is_their_range():
+    """A bootstrap mean cannot leave it, and Student's t of two degrees of freedom asks for more."""
+    found = mean_interval([0.1, 0.4, 0.2])
+    assert (found.low, found.high) == pytest.approx((0.1, 0.4))
+
+
+def test_smallest_p_is_that_of_runs_that_agree():
+    """Two of 2^n choices of signs are as far from zero."""
+    for n in (1, 3, 5, 15):
+        assert least_p(n) == pytest.approx(sign_flip_p(np.arange(1.0, n + 1)))
 
 
 def test_interval_of_equal_or_single_runs_is_a_point():
