@@ -40,7 +40,7 @@ class Preset(Config):
     ablations: tuple[str, ...] = ()
     """Ablations by name, each with its planner on `ablated_parts`."""
     ablated_parts: tuple[str, ...] = ("C", "D")
-    """Choice: the parts on which recoveries are many."""
+    """Choice: the parts of shiny metal, on which the paper counts most recoveries."""
     links: tuple[str, ...] = ()
     """Links before the planner that are changed, by name, each with FRA and PB on `ablated_parts`."""
     ablation_runs: Count = 5

@@ -44,6 +44,8 @@ class Record:
     n_frames: int
     processor_s: float
     """What the run took of this machine, simulation included."""
+    versions: Mapping[str, str]
+    """Of Python and what the planners and the sensor stand on."""
     losses: Mapping[str, float]
     """Sums over the run of what each step of the detection and recovery kept."""
 
@@ -101,6 +103,7 @@ def _record(planned: PlannedRun, stored: StoredRun) -> Record:
         motion_s=np.array([row["motion_s"] for row in rows]),
         n_frames=stored.run["config"]["parameters"]["n_frames"],
         processor_s=stored.timings["processor_s"],
+        versions=stored.run["versions"],
         losses=_losses(rows),
     )
 

@@ -1,6 +1,6 @@
 """What the runs of a comparison say: figures of each planner on each part, differences between planners, times."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -77,6 +77,19 @@ class Comparison:
         pairs = [(a.summary[name], b.summary[name]) for a, b in self.pairs(part, ours, theirs)]
         known = [pair for pair in pairs if None not in pair]
         return paired_difference(*zip(*known, strict=True)) if known else None
+
+    def change_of_lead(self, part: str, changed: tuple[str, str], whole: tuple[str, str]) -> Difference | None:
+        """Lead of one arm over another at the end [-] under a change less that without, over the starts of all four."""
+        leads = [
+            {a.run: float(a.coverage[-1] - b.coverage[-1]) for a, b in self.pairs(part, *arms)}
+            for arms in (changed, whole)
+        ]
+        starts = sorted(leads[0].keys() & leads[1].keys())
+        return paired_difference(*([lead[run] for run in starts] for lead in leads)) if starts else None
+
+    def of_starts(self, starts: Container[int]) -> "Comparison":
+        """The runs of these starts alone."""
+        return Comparison(record for record in self.records if record.run in starts)
 
     def iteration_time(
         self, part: str, arm: str, stage: str | None = None, overhead_s: float = 0.0

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from studies.comparison_statistics import Comparison
+from studies.goals import goals_json
 from studies.paired_statistics import Interval
 from studies.paper_results import findings
 from studies.run_words import counted
@@ -23,6 +24,7 @@ def json_summary(comparison: Comparison, parts: Sequence[str], planners: Sequenc
         "planning_ratio_re_pb": comparison.time_ratio(of_parts, "re", "pb", "planning"),
         "planning_ratio_fra_pb": comparison.time_ratio(of_parts, "fra", "pb", "planning"),
         "parts": {part: {planner: arm_summary(comparison, part, planner) for planner in planners} for part in parts},
+        "goals": goals_json(comparison),
     }
 
 

@@ -5,29 +5,30 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from scenes.parts import PART_NAMES, part_description
-from studies.ablation import ABLATIONS
 from studies.cases import write_atomically
 from studies.comparison_preset import Preset
 from studies.comparison_statistics import Comparison
 from studies.comparison_summary import paragraph
-from studies.paired_statistics import holm
-from studies.paper_results import findings, points
+from studies.goals import activations_rise
+from studies.paired_statistics import least_p
+from studies.paper_results import findings
 from studies.planning_speed import SPEED
+from studies.report.cells import probability
+from studies.report.change_tables import ablation_rows, changed_link_rows, variant_rows
 from studies.report.comparison_tables import (
-    ablation_rows,
     arm_rows,
-    changed_link_rows,
     difference_rows,
+    goal_rows,
     loss_rows,
     overhead_words,
     speed_words,
     time_rows,
 )
+from studies.report.headline import arm_words, main_numbers, part_words, short_words, version_words
 from studies.report.increments_figure import increments_figure
 from studies.report.link_words import link_words
 from studies.report.page import flattened
-from studies.report.planner_curves_figure import planner_curves_figure
+from studies.report.planner_curves_figure import coinciding, planner_curves_figure
 from studies.report.speed_figure import speed_figure
 from studies.report.templates import asset, environment
 from studies.stored_run import REPORT
@@ -57,48 +58,45 @@ def comparison_html(
 ) -> str:
     """The whole page."""
     parts = list(dict.fromkeys(record.part for record in comparison.records))
-    words, short = ({part: name(part) for part in parts} for name in (part_words, short_words))
+    words, short = {part: part_words(part, preset) for part in parts}, {part: short_words(part) for part in parts}
     arms = [arm for arm in preset.planners if any(comparison.runs(part, arm) for part in parts)]
     differences = difference_rows(comparison, parts, [arm for arm in arms if arm != "fra"])
+    pairs = [row["pairs"] for row in differences]
     return (
         environment()
         .get_template("comparison.html.j2")
         .render(
             title=preset.title,
             paragraph=paragraph(comparison, planned, len(failures)),
+            numbers=main_numbers(comparison, arms),
             preset=preset,
             parts=parts,
             words=words,
             short=short,
             arms=arms,
             findings=[(finding, VERDICTS.get(finding.verdict, "missing")) for finding in findings(comparison)],
+            goals=goal_rows(comparison),
+            activations=activations_rise(comparison),
             by_iterations=planner_curves_figure(comparison, parts, arms, "iterations", short),
             by_acquisitions=planner_curves_figure(comparison, parts, arms, "acquisitions", short),
+            coinciding=[short[part] for part in coinciding(comparison, parts)],
             figures=arm_rows(comparison, parts, arms),
             differences=differences,
-            adjusted=holm([row["end"].p for row in differences if row["end"]]),
-            points=points,
+            least=(min(pairs), probability(least_p(min(pairs)))) if pairs else None,
+            variants=variant_rows(comparison, parts),
             increments=increments_figure(comparison, parts, short),
             times=time_rows(comparison, parts, arms),
+            arm=arm_words(),
+            versions=version_words(comparison),
             overhead=overhead_words(comparison),
             losses=loss_rows(comparison, parts),
-            links=link_words(comparison, preset.parts, ABLATIONS, preset.parameters.recovered_share),
+            links=link_words(comparison, parts, preset.parameters.recovered_share),
             speed=speed_figure(speed["rows"]) if speed else None,
             speed_words=speed_words(speed["rows"]) if speed else "",
-            ablations=ablation_rows(comparison, preset.ablated_parts, ABLATIONS),
+            ablations=ablation_rows(comparison, preset.ablated_parts),
             changed_links=changed_link_rows(comparison, preset.ablated_parts),
             failures=failures,
             config=list(flattened(preset.model_dump(mode="json"))),
             style=asset("style.css") + asset("comparison.css"),
         )
     )
-
-
-def part_words(part: str) -> str:
-    """`A, matte steel cuboid`."""
-    return f"{part}, {part_description(part)}" if part in PART_NAMES else short_words(part)
-
-
-def short_words(part: str) -> str:
-    """`A`, `Inside corner`."""
-    return part if part in PART_NAMES else part.replace("_", " ").capitalize()

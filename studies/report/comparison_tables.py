@@ -5,16 +5,28 @@ from typing import Any
 
 import numpy as np
 
-from studies.ablation import NamedAblation
-from studies.comparison_statistics import Comparison, Quartiles
-from studies.link_change import LINKS, arm_name
-from studies.paired_statistics import Interval
+from studies.comparison_statistics import Comparison
+from studies.goals import ATS, CLOUDS, GOALS, judge
 from studies.paper_numbers import ITERATION_S, paper_ratio
+from studies.report.cells import NONE, POINTS, change, mean, probability, seconds, spread, with_range
 from studies.report.speed_figure import decision_s
-from studies.run_words import number
+from studies.verdicts import adjusted_p
 
-POINTS = 100.0
-"""Shares as percentages."""
+ARM_CELLS = {
+    "coverage": (spread, "coverage_5mm", POINTS, ".1f"),
+    "filtered": (spread, "filtered_coverage_5mm", POINTS, ".1f"),
+    "accuracy": (mean, "accuracy_mm", 1.0, ".1f"),
+    "f_score": (mean, "f_score", 1.0, ".2f"),
+    "wrongly_free": (mean, "wrongly_free_share", POINTS, ".0f"),
+    "wrongly_occupied": (mean, "wrongly_occupied_share", POINTS, ".0f"),
+    "acquisitions": (mean, "acquisitions", 1.0, ".1f"),
+    "iterations": (mean, "nbv_iterations", 1.0, ".1f"),
+    "activations": (spread, "recovery_activations", 1.0, ".1f"),
+    "contribution": (spread, "recovery_share", POINTS, ".0f"),
+}
+"""How each figure is written, what it is called in the summaries, its scale and digits."""
+OF_RECOVERY = ("activations", "contribution")
+"""Figures that only FRA has."""
 
 
 def arm_rows(comparison: Comparison, parts: Sequence[str], arms: Sequence[str]) -> list[dict[str, Any]]:
@@ -25,16 +37,11 @@ def arm_rows(comparison: Comparison, parts: Sequence[str], arms: Sequence[str]) 
             "arm": arm,
             "first": arm == arms[0],
             "runs": len(comparison.runs(part, arm)),
-            "coverage": spread(comparison.figure(part, arm, "coverage_5mm"), POINTS, ".1f"),
-            "filtered": spread(comparison.figure(part, arm, "filtered_coverage_5mm"), POINTS, ".1f"),
-            "accuracy": mean(comparison.figure(part, arm, "accuracy_mm"), 1.0, ".1f"),
-            "f_score": mean(comparison.figure(part, arm, "f_score"), 1.0, ".2f"),
-            "wrongly_free": mean(comparison.figure(part, arm, "wrongly_free_share"), POINTS, ".0f"),
-            "wrongly_occupied": mean(comparison.figure(part, arm, "wrongly_occupied_share"), POINTS, ".0f"),
-            "acquisitions": mean(comparison.figure(part, arm, "acquisitions"), 1.0, ".1f"),
-            "iterations": mean(comparison.figure(part, arm, "nbv_iterations"), 1.0, ".1f"),
-            "activations": spread(comparison.figure(part, arm, "recovery_activations"), 1.0, ".1f"),
-            "contribution": spread(comparison.figure(part, arm, "recovery_share"), POINTS, ".0f"),
+            **{
+                cell: write(comparison.figure(part, arm, name), scale, form)
+                for cell, (write, name, scale, form) in ARM_CELLS.items()
+            },
+            **({} if arm == "fra" else dict.fromkeys(OF_RECOVERY, NONE)),
         }
         for part in parts
         for arm in arms
@@ -44,44 +51,60 @@ def arm_rows(comparison: Comparison, parts: Sequence[str], arms: Sequence[str]) 
 
 def difference_rows(comparison: Comparison, parts: Sequence[str], baselines: Sequence[str]) -> list[dict[str, Any]]:
     """FRA less each baseline on each part: at the end, at equal iterations and acquisitions, raw and map-filtered."""
-    return [
-        {
-            "part": part,
-            "baseline": baseline,
-            "first": baseline == baselines[0],
-            "end": comparison.difference(part, "fra", baseline),
-            "iterations": comparison.difference(part, "fra", baseline, "iterations"),
-            "acquisitions": comparison.difference(part, "fra", baseline, "acquisitions"),
-            "end_filtered": comparison.difference(part, "fra", baseline, "end", "filtered"),
-            "acquisitions_filtered": comparison.difference(part, "fra", baseline, "acquisitions", "filtered"),
-        }
-        for part in parts
-        for baseline in baselines
-        if comparison.pairs(part, "fra", baseline)
-    ]
+    adjusted = adjusted_p(comparison)
+    rows = []
+    for part in parts:
+        for baseline in baselines:
+            end = comparison.difference(part, "fra", baseline)
+            if end is not None:
+                rows.append(
+                    {
+                        "part": part,
+                        "baseline": baseline,
+                        "first": baseline == baselines[0],
+                        "pairs": end.interval.count,
+                        "p": probability(end.p),
+                        "adjusted": probability(adjusted.get((part, baseline))),
+                        **{
+                            f"{at}_{cloud}": change(comparison.difference(part, "fra", baseline, at, cloud))
+                            for at in ATS
+                            for cloud in CLOUDS
+                        },
+                    }
+                )
+    return rows
+
+
+def goal_rows(comparison: Comparison) -> list[dict[str, Any]]:
+    """Each goal that has runs: its value wherever one may compare, and whether it holds there."""
+    rows = []
+    for goal in GOALS:
+        judged = judge(comparison, goal)
+        cells = [{"value": spread(j.interval, POINTS, "+.1f"), "holds": j.holds} for j in judged]
+        if cells:
+            rows.append({"words": goal.words, "cells": cells})
+    return rows
 
 
 def time_rows(comparison: Comparison, parts: Sequence[str], arms: Sequence[str]) -> list[dict[str, Any]]:
-    """Time of an NBV iteration with its recoveries, in all and by what it is spent on, beside the paper's."""
+    """Time of a run's average NBV iteration with its recoveries, and by what it is spent on, beside the paper's."""
     rows = []
     for part in parts:
         for arm in arms:
             total = comparison.iteration_time(part, arm)
             if total is None:
                 continue
-            stages = {
-                stage: comparison.iteration_time(part, arm, stage) for stage in ("planning", "motion", "exposure")
-            }
             theirs = ITERATION_S.get(part, {}).get(arm)
             rows.append(
                 {
                     "part": part,
                     "arm": arm,
                     "first": arm == arms[0],
-                    "count": total.count,
+                    "runs": total.count,
                     "total": seconds(total),
-                    **{stage: seconds(found) if found else "n/a" for stage, found in stages.items()},
-                    "paper": f"{theirs[1]:.2f} [{theirs[0]:.2f} to {theirs[2]:.2f}]" if theirs else "n/a",
+                    **{s: seconds(comparison.iteration_time(part, arm, s)) for s in ("planning", "motion", "exposure")},
+                    "single": seconds(comparison.single_iteration_time(part, arm)),
+                    "paper": with_range(theirs[1], theirs[0], theirs[2], ".2f") if theirs else NONE,
                 }
             )
     return rows
@@ -108,69 +131,14 @@ def overhead_words(comparison: Comparison) -> str:
 
 
 def loss_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[str, Any]]:
-    """Where FRA's chain loses what it is meant to find: mean counts per run, from the table of acquisitions."""
+    """Where FRA's chain loses what it is meant to find: means of a run's counts, and the largest Gamma of any run."""
     rows = []
     for part in parts:
         runs = comparison.runs(part, "fra")
         if runs:
             totals = [run.losses for run in runs]
-            rows.append({"part": part, **{key: float(np.mean([t[key] for t in totals])) for key in totals[0]}})
-    return rows
-
-
-def ablation_rows(
-    comparison: Comparison, parts: Sequence[str], ablations: Mapping[str, NamedAblation]
-) -> list[dict[str, Any]]:
-    """Each ablation that has runs, less the whole method over the same starts."""
-    rows = []
-    for part in parts:
-        for name, (words, planner, _) in ablations.items():
-            difference = comparison.difference(part, name, planner)
-            if difference is not None:
-                found = {
-                    key: comparison.figure_difference(part, name, planner, key)
-                    for key in ("filtered_coverage_5mm", "acquisitions", "recovery_activations")
-                }
-                rows.append(
-                    {
-                        "part": part,
-                        "words": words,
-                        "planner": planner,
-                        "difference": difference,
-                        "filtered": found["filtered_coverage_5mm"],
-                        "acquisitions": signed(found["acquisitions"]),
-                        "activations": signed(found["recovery_activations"]),
-                    }
-                )
-    return rows
-
-
-def changed_link_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[str, Any]]:
-    """FRA and PB under each changed link that has runs, after the same starts with nothing changed."""
-    rows = []
-    for part in parts:
-        changed = [
-            (link.words, *(arm_name(planner, name) for planner in ("fra", "pb")))
-            for name, link in LINKS.items()
-            if comparison.pairs(part, arm_name("fra", name), arm_name("pb", name))
-        ]
-        for words, fra, pb in [("nothing changed", "fra", "pb"), *changed] if changed else []:
-            activations = comparison.figure(part, fra, "recovery_activations")
-            rows.append(
-                {
-                    "part": part,
-                    "words": words,
-                    "fra": mean(comparison.figure(part, fra, "coverage_5mm"), POINTS, ".1f"),
-                    "pb": mean(comparison.figure(part, pb, "coverage_5mm"), POINTS, ".1f"),
-                    "fra_filtered": mean(comparison.figure(part, fra, "filtered_coverage_5mm"), POINTS, ".1f"),
-                    "pb_filtered": mean(comparison.figure(part, pb, "filtered_coverage_5mm"), POINTS, ".1f"),
-                    "pairs": len(comparison.pairs(part, fra, pb)),
-                    "end": comparison.difference(part, fra, pb),
-                    "acquisitions": comparison.difference(part, fra, pb, "acquisitions"),
-                    "activations": mean(activations, 1.0, ".1f"),
-                    "contribution": mean(comparison.figure(part, fra, "recovery_share"), POINTS, ".0f"),
-                }
-            )
+            means = {key: float(np.mean([t[key] for t in totals])) for key in totals[0]}
+            rows.append({"part": part, **means, "largest_gamma": max(t["largest_gamma"] for t in totals)})
     return rows
 
 
@@ -198,26 +166,3 @@ def speed_words(rows: Iterable[Mapping[str, Any]]) -> str:
         f"PB there. PB scores faster in {faster} of the {len(by_size)} settings, but must fit its ellipsoids first. "
         f"RE's decision takes so many times PB's: {'; '.join(sentences)}."
     )
-
-
-def mean(interval: Interval | None, scale: float, form: str) -> str:
-    """The mean alone."""
-    return number(None if interval is None else scale * interval.mean, form)
-
-
-def spread(interval: Interval | None, scale: float, form: str) -> str:
-    """The mean with its interval, which a single run does not have."""
-    if interval is None or interval.count == 1:
-        return mean(interval, scale, form)
-    low, high = (format(scale * end, form) for end in (interval.low, interval.high))
-    return f"{mean(interval, scale, form)} [{low} to {high}]"
-
-
-def signed(difference) -> str:
-    """A mean difference with its sign."""
-    return "n/a" if difference is None else f"{difference.interval.mean:+.1f}"
-
-
-def seconds(times: Quartiles) -> str:
-    """Median and quartiles."""
-    return f"{times.median:.2f} [{times.lower:.2f} to {times.upper:.2f}]"

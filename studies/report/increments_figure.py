@@ -1,6 +1,7 @@
 """What a view adds against the coverage before it: boxes of PB views beside boxes of FRA's recovery views."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from markupsafe import Markup
@@ -10,7 +11,7 @@ from studies.comparison_statistics import Comparison
 from studies.report import svg
 from studies.view_increments import BIN, FEWEST, binned_increments
 
-WIDTH, HEIGHT = 1160, 290
+WIDTH, HEIGHT = 1160, 312
 LEFT, RIGHT, TOP, BOTTOM = 38, 14, 46, 240
 """Margins left and right of each panel, its upper and lower edge [px]."""
 LEAST_AXIS = 10.0
@@ -27,16 +28,35 @@ def increments_figure(comparison: Comparison, parts: Sequence[str], words: dict[
     return svg.figure(WIDTH, HEIGHT, "Coverage added by a view against the coverage before it", *panels)
 
 
+@dataclass(frozen=True)
+class _Box:
+    """Quartiles, median, and the farthest values within 1.5 times the box from it (Tukey 1977) [points]."""
+
+    low: float
+    lower: float
+    median: float
+    upper: float
+    high: float
+
+
+def _box_of(values: Sequence[float]) -> _Box:
+    added = 100 * np.asarray(values)
+    lower, median, upper = np.percentile(added, [25, 50, 75])
+    reach = 1.5 * (upper - lower)
+    inside = added[(added >= lower - reach) & (added <= upper + reach)]
+    return _Box(inside.min(), lower, median, upper, inside.max())
+
+
 def axis_end(comparison: Comparison, parts: Sequence[str]) -> float:
-    """End of the axis that holds all views that are drawn, the same for all parts [points]."""
+    """End of the axis that holds all boxes with their whiskers, the same for all parts [points]."""
     drawn = [
-        max(values)
+        _box_of(values).high
         for part in parts
         for arm, kind, _, _ in GROUPS
         for values in binned_increments(comparison, part, arm, kind)
         if len(values) >= FEWEST
     ]
-    return LEAST_AXIS * max(1, int(np.ceil(100 * max(drawn, default=0.0) / LEAST_AXIS - 1e-9)))
+    return LEAST_AXIS * max(1, int(np.ceil(max(drawn, default=0.0) / LEAST_AXIS - 1e-9)))
 
 
 def _panel(comparison: Comparison, part: str, left: float, width: float, title: str, most: float) -> Markup:
@@ -60,20 +80,19 @@ def _panel(comparison: Comparison, part: str, left: float, width: float, title: 
 
 
 def _box(values: list[float], middle: float, width: float, y: svg.Scale, klass: str, name: str) -> Markup:
-    """Quartiles, median, and whiskers to the farthest value within 1.5 times the box (Tukey 1977)."""
+    """A box, or a cross for too few views, with the number of views below the axis."""
+    count = svg.text(middle, BOTTOM + 58, len(values), f"count {klass}") if values else Markup("")
     if len(values) < FEWEST:
-        mark = svg.text(middle, y(0) - 4, "×", "tick-label mid")
+        mark = svg.join(svg.text(middle, y(0) - 4, "×", "tick-label mid"), count)
         return svg.marked(mark, f"{name} and above: {len(values)} views, too few")
-    added = 100 * np.asarray(values)
-    lower, median, upper = np.percentile(added, [25, 50, 75])
-    reach = 1.5 * (upper - lower)
-    low, high = added[added >= lower - reach].min(), added[added <= upper + reach].max()
-    top, bottom, left = y(upper), y(lower), middle - width / 2
+    box = _box_of(values)
+    top, bottom, left = y(box.upper), y(box.lower), middle - width / 2
     shapes = svg.join(
-        svg.line(middle, y(low), middle, bottom, f"whisker {klass}"),
-        svg.line(middle, top, middle, y(high), f"whisker {klass}"),
+        svg.line(middle, y(box.low), middle, bottom, f"whisker {klass}"),
+        svg.line(middle, top, middle, y(box.high), f"whisker {klass}"),
         svg.element("rect", x=left, y=top, width=width, height=max(bottom - top, 1.0), klass=f"box {klass}"),
-        svg.line(left, y(median), left + width, y(median), "box-median"),
+        svg.line(left, y(box.median), left + width, y(box.median), "box-median"),
+        count,
     )
-    numbers = f"median {median:.1f}, quartiles {lower:.1f} to {upper:.1f}, {len(values)} views"
+    numbers = f"median {box.median:.1f}, quartiles {box.lower:.1f} to {box.upper:.1f}, {len(values)} views"
     return svg.marked(shapes, f"{name} and above: {numbers}")

@@ -1,28 +1,30 @@
 """Which link of the chain differs from the paper's, part by part: sentences about what the runs say, and no guesses.
 
-The chain: what the camera misses, what the detector keeps of it, what a recovery adds, what false depth undoes. What
-can be changed by itself was changed (the ablations); those that move a result beyond its interval are named.
+The chain: what the camera misses, what the detector keeps of it, what a recovery adds, what the map takes back. What
+can be changed by itself was changed, in the method (the ablations) and before it (the links); those changes that move a
+result are named, and how many would be by chance.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from studies.ablation import NamedAblation
+from studies.ablation import ABLATIONS
 from studies.comparison_statistics import Comparison
-from studies.paired_statistics import Difference
+from studies.link_change import LINKS, PLANNERS, arm_name
+from studies.paired_statistics import LEVEL, Difference, least_p
 from studies.paper_numbers import FRA_LESS_PB_ON_D
 from studies.paper_results import points
+from studies.report.cells import signs
 from studies.run_words import counted, percent
 
 
-def link_words(
-    comparison: Comparison, parts: Sequence[str], ablations: Mapping[str, NamedAblation], recovered_share: float
-) -> list[tuple[str, list[str]]]:
+def link_words(comparison: Comparison, parts: Sequence[str], recovered_share: float) -> list[tuple[str, list[str]]]:
     """Sentences of each part on which FRA and PB have runs."""
     return [
         (part, [*_room(comparison, part), *_chain(comparison, part, recovered_share), *_false_depth(comparison, part),
-                *_moved(comparison, part, ablations)])
+                *_moved(comparison, part)])
         for part in parts
         if comparison.pairs(part, "fra", "pb")
     ]  # fmt: skip
@@ -45,15 +47,16 @@ def _chain(comparison: Comparison, part: str, recovered_share: float) -> Iterato
     """What the detector kept, and how recoveries ended."""
     runs = [run.losses for run in comparison.runs(part, "fra")]
     mean = {key: float(np.mean([run[key] for run in runs])) for key in runs[0]}
+    came = f"{mean['activations']:.1f} recoveries of {mean['recovery_views']:.1f} views in all"
     yield (
         f"In {mean['views']:.0f} views of a run FRA found {mean['candidate_pixels']:.0f} pixels without depth well "
         f"inside the silhouette; {mean['reflective_pixels']:.0f} of them passed the frontier test, and "
-        f"{mean['activations']:.1f} recoveries of {mean['recovery_views']:.1f} views in all came of it."
+        f"{came if mean['activations'] else 'no recovery'} came of it."
     )
     if any(run["recovery_views"] for run in runs):
         largest = max(run["largest_gamma"] for run in runs)
         ended = "at least one recovery ended early" if largest > recovered_share else "no recovery ended early"
-        yield f"The largest \u0393 of any recovery was {largest:.3f} (\u03c4_rec {recovered_share}): {ended}."
+        yield f"The largest \u0393 of any run was {largest:.3f} (\u03c4_rec {recovered_share}): {ended}."
 
 
 def _false_depth(comparison: Comparison, part: str) -> Iterator[str]:
@@ -63,30 +66,62 @@ def _false_depth(comparison: Comparison, part: str) -> Iterator[str]:
     )
     if raw and filtered and free:
         yield (
-            f"False depth carved {percent(free.mean)} of the surface's voxels free in FRA's maps; without the points "
-            f"that lie there its coverage is {percent(filtered.mean)} instead of {percent(raw.mean)}."
+            f"FRA's final map calls {percent(free.mean)} of the surface's voxels free. Rays to false depth behind the "
+            "surface do that, and so do true rays that graze it; the runs do not tell how much is whose. "
+            f"With the points in occupied voxels alone its coverage is {percent(filtered.mean)} instead of "
+            f"{percent(raw.mean)}."
         )
 
 
-def _moved(comparison: Comparison, part: str, ablations: Mapping[str, NamedAblation]) -> Iterator[str]:
-    """Changes of one thing that move coverage or activations beyond the interval."""
-    tried, moved = 0, []
-    for name, (words, planner, _) in ablations.items():
-        difference = comparison.difference(part, name, planner)
-        if difference is None:
-            continue
-        tried += 1
-        if _beyond(difference):
-            moved.append(f"{words} ({planner.upper()}), coverage {points(difference)}")
-        activations = comparison.figure_difference(part, name, planner, "recovery_activations")
-        if activations and _beyond(activations):
-            moved.append(f"{words} ({planner.upper()}), activations {activations.interval.mean:+.1f}")
-    if tried:
-        moves = "; ".join(moved) if moved else "none of them moves coverage or activations beyond its interval"
-        yield f"{counted(tried, 'ablation')}: {moves}."
+class _Change(NamedTuple):
+    """One result under one change, beside the same without it."""
+
+    words: str
+    result: str
+    difference: Difference
+    told: str
+
+    @property
+    def level(self) -> float:
+        """Chance that runs which differ by nothing are named."""
+        return max(LEVEL, least_p(self.difference.interval.count))
 
 
-def _beyond(difference: Difference) -> bool:
-    """Whether zero lies outside the interval; a single run has none."""
-    i = difference.interval
-    return i.count > 1 and (i.low > 0 or i.high < 0)
+def _moved(comparison: Comparison, part: str) -> Iterator[str]:
+    """Changes of one thing that move a result, after a sentence that says how many would do so by chance."""
+    changes = [c for c in (*_ablated(comparison, part), *_linked(comparison, part)) if c.difference.interval.count > 1]
+    if not changes:
+        return
+    moved = [c for c in changes if c.difference.p <= c.level * (1 + 1e-9)]
+    level = max(c.level for c in changes)
+    tried = counted(len({c.words for c in changes}), "change")
+    yield (
+        f"{tried} of the method or of what it is given, {counted(len(changes), 'result')} compared: "
+        f"{len(moved) or 'none'} moved with p at most {level:.2g}; by chance alone up to "
+        f"{sum(c.level for c in changes):.1f} would."
+    )
+    for c in moved:
+        yield f"{c.words}: {c.result} {c.told}"
+
+
+def _ablated(comparison: Comparison, part: str) -> Iterator[_Change]:
+    for name, (words, planner, _) in ABLATIONS.items():
+        coverage = comparison.difference(part, name, planner)
+        if coverage:
+            yield _Change(words, f"coverage of {planner.upper()}", coverage, points(coverage))
+        yield from _activations(comparison, part, words, name, planner)
+
+
+def _linked(comparison: Comparison, part: str) -> Iterator[_Change]:
+    for name, link in LINKS.items():
+        fra, pb = (arm_name(planner, name) for planner in PLANNERS)
+        lead = comparison.change_of_lead(part, (fra, pb), PLANNERS)
+        if lead:
+            yield _Change(link.words, "lead of FRA over PB", lead, points(lead))
+        yield from _activations(comparison, part, link.words, fra, "fra")
+
+
+def _activations(comparison: Comparison, part: str, words: str, arm: str, planner: str) -> Iterator[_Change]:
+    found = comparison.figure_difference(part, arm, planner, "recovery_activations") if planner == "fra" else None
+    if found:
+        yield _Change(words, "activations", found, signs(f"{found.interval.mean:+.1f}"))

@@ -31,10 +31,19 @@ def planner_curves_figure(
     return svg.figure(WIDTH, HEIGHT, f"Coverage against {NAMES[along].lower()}", *panels)
 
 
-def held(curves: Sequence[Float[np.ndarray, "_"]]) -> Float[np.ndarray, "runs k"]:
+def held(curves: Sequence[Float[np.ndarray, "_"]], length: int) -> Float[np.ndarray, "runs length"]:
     """Curves of different lengths as one array: a run that has ended keeps what it covers."""
-    longest = max(map(len, curves))
-    return np.stack([np.pad(curve, (0, longest - len(curve)), mode="edge") for curve in curves])
+    return np.stack([np.pad(curve, (0, length - len(curve)), mode="edge") for curve in curves])
+
+
+def coinciding(comparison: Comparison, parts: Sequence[str]) -> list[str]:
+    """Parts on which FRA's runs and PB's are the same, view by view."""
+    return [
+        part
+        for part in parts
+        if (pairs := comparison.pairs(part, "fra", "pb"))
+        and all(np.array_equal(fra.coverage, pb.coverage) for fra, pb in pairs)
+    ]
 
 
 def _values(record: Record, along: Along, filtered: bool) -> Float[np.ndarray, "k"]:
@@ -45,14 +54,14 @@ def _values(record: Record, along: Along, filtered: bool) -> Float[np.ndarray, "
 def _panel(
     comparison: Comparison, part: str, arms: Sequence[str], along: Along, left: float, width: float, title: str
 ) -> Markup:
+    runs = {arm: comparison.runs(part, arm) for arm in arms if comparison.runs(part, arm)}
+    longest = max([len(_values(run, along, False)) for found in runs.values() for run in found], default=2)
     curves = {
-        (arm, filtered): held([_values(run, along, filtered) for run in comparison.runs(part, arm)])
-        for arm in arms
-        if comparison.runs(part, arm)
+        (arm, filtered): held([_values(run, along, filtered) for run in runs[arm]], longest)
+        for arm in reversed(runs)  # the first one on top
         for filtered in (False, True)
     }
     first = 0 if along == "iterations" else 1
-    longest = max([curve.shape[1] for curve in curves.values()], default=2)
     x = svg.Scale(first, max(first + longest - 1, first + 1), left + LEFT, left + width - RIGHT)
     y = svg.Scale(0, 100, BOTTOM, TOP)
     ticks = [t for t in x.ticks(5) if t == int(t)]

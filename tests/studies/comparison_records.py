@@ -56,5 +56,6 @@ def made_record(
         motion_s=np.full(len(kinds), motion_s),
         n_frames=15,
         processor_s=50.0,
+        versions={"python": "3.11.7", "numpy": "2.4.6"},
         losses=LOSSES,
     )
