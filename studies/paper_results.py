@@ -1,7 +1,6 @@
 """What of the FRA-NBV paper's section VI a comparison finds again, in words.
 
-The rules by which a sentence counts as found stand beside it. They follow from the paper's words and were set before
-any run.
+The rules by which a sentence counts as found stand beside it. They follow from the paper's words, not from any run.
 """
 
 from collections.abc import Sequence
@@ -66,8 +65,8 @@ def points(difference: Difference | None) -> str:
 
 def interval_points(i: Interval) -> str:
     """The same of a mean that is a difference."""
-    interval = f"{100 * i.low:+.1f} to {100 * i.high:+.1f}" if i.count > 1 else "one run"
-    return f"{100 * i.mean:+.1f} points ({interval})".replace("-", "\u2212")
+    interval = f"{100 * i.low:+z.1f} to {100 * i.high:+z.1f}" if i.count > 1 else "one run"
+    return f"{100 * i.mean:+z.1f} points ({interval})".replace("-", "\u2212")
 
 
 def _lead(

@@ -34,7 +34,7 @@ def spread(interval: Interval | None, scale: float, form: str) -> str:
     return with_range(scale * interval.mean, scale * interval.low, scale * interval.high, form)
 
 
-def change(difference: Difference | None, scale: float = POINTS, form: str = "+.1f") -> str:
+def change(difference: Difference | None, scale: float = POINTS, form: str = "+z.1f") -> str:
     """A difference with its sign, in points unless said otherwise."""
     return spread(difference.interval if difference else None, scale, form)
 

@@ -80,7 +80,7 @@ def goal_rows(comparison: Comparison) -> list[dict[str, Any]]:
     rows = []
     for goal in GOALS:
         judged = judge(comparison, goal)
-        cells = [{"value": spread(j.interval, POINTS, "+.1f"), "holds": j.holds} for j in judged]
+        cells = [{"value": spread(j.interval, POINTS, "+z.1f"), "holds": j.holds} for j in judged]
         if cells:
             rows.append({"words": goal.words, "cells": cells})
     return rows

@@ -23,7 +23,7 @@ from studies.run_words import counted, percent
 def link_words(comparison: Comparison, parts: Sequence[str], recovered_share: float) -> list[tuple[str, list[str]]]:
     """Sentences of each part on which FRA and PB have runs."""
     return [
-        (part, [*_room(comparison, part), *_chain(comparison, part, recovered_share), *_false_depth(comparison, part),
+        (part, [*_room(comparison, part), *_chain(comparison, part, recovered_share), *_taken_back(comparison, part),
                 *_moved(comparison, part)])
         for part in parts
         if comparison.pairs(part, "fra", "pb")
@@ -59,17 +59,15 @@ def _chain(comparison: Comparison, part: str, recovered_share: float) -> Iterato
         yield f"The largest \u0393 of any run was {largest:.3f} (\u03c4_rec {recovered_share}): {ended}."
 
 
-def _false_depth(comparison: Comparison, part: str) -> Iterator[str]:
-    """What raw coverage does not show."""
+def _taken_back(comparison: Comparison, part: str) -> Iterator[str]:
+    """What the map does not hold any more of what was seen, whatever the cause."""
     raw, filtered, free = (
         comparison.figure(part, "fra", name) for name in ("coverage_5mm", "filtered_coverage_5mm", "wrongly_free_share")
     )
     if raw and filtered and free:
         yield (
-            f"FRA's final map calls {percent(free.mean)} of the surface's voxels free. Rays to false depth behind the "
-            "surface do that, and so do true rays that graze it; the runs do not tell how much is whose. "
-            f"With the points in occupied voxels alone its coverage is {percent(filtered.mean)} instead of "
-            f"{percent(raw.mean)}."
+            f"FRA's final map calls {percent(free.mean)} of the surface's voxels free; with the points in occupied "
+            f"voxels alone its coverage is {percent(filtered.mean)} instead of {percent(raw.mean)}."
         )
 
 
@@ -124,4 +122,4 @@ def _linked(comparison: Comparison, part: str) -> Iterator[_Change]:
 def _activations(comparison: Comparison, part: str, words: str, arm: str, planner: str) -> Iterator[_Change]:
     found = comparison.figure_difference(part, arm, planner, "recovery_activations") if planner == "fra" else None
     if found:
-        yield _Change(words, "activations", found, signs(f"{found.interval.mean:+.1f}"))
+        yield _Change(words, "activations", found, signs(f"{found.interval.mean:+z.1f}"))

@@ -243,7 +243,7 @@ def test_page_sets_every_number_of_the_paper_beside_ours():
     html = whole_page()
     for rows in ITERATION_S.values():
         for lower, median, upper in rows.values():
-            assert f"{median:.2f} [{lower:.2f} to {upper:.2f}]" in html
+            assert f"{median:.2f}<small>{lower:.2f} to {upper:.2f}</small>" in html
     for number in (
         "up to 31 %",
         "approximately 56 %",
