@@ -1,7 +1,6 @@
 """`franbv study comparison`: FRA against PB and RE on parts A to D and an inside corner, beside the paper's numbers."""
 
 import json
-import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -18,14 +17,15 @@ from studies.comparison_cases import RUNS, PlannedRun, check_runs, jobs, planned
 from studies.comparison_preset import Preset, load_preset
 from studies.comparison_records import COLUMNS, read_records, table_row
 from studies.comparison_statistics import Comparison
-from studies.comparison_summary import json_summary, paragraph
+from studies.comparison_summary import failed_runs, json_summary, paragraph
 from studies.config import load_config
 from studies.console import say, say_json, strict_json, warn
 from studies.link_change import LINKS
-from studies.planning_speed import SPEED, SpeedTask, measure_speed
+from studies.planning_speed import SPEED, SPEED_JOB, SpeedTask, measure_speed
 from studies.report.comparison_page import write_comparison_report
 from studies.report_command import COMPARISON
 from studies.stored_run import REPORT
+from studies.study_clock import StudyClock
 from studies.study_table import write_rows
 from studies.workers import Failure, Job, limit_renderer, run_jobs, worker_count
 
@@ -44,9 +44,9 @@ class ComparisonCommand:
     preset: Annotated[str, tyro.conf.arg(metavar="quick|paper|FILE.yaml")] = "paper"
     """What to run: a preset, or a YAML file of your own."""
     ablations: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME...")] = ()
-    """Ablations to run beside it; `all` for all of them."""
+    """Ablations to run beside it; `all` for all of them. Those that the folder's study has already stay in it."""
     links: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME...")] = ()
-    """Links before the planner to change, one at a time; `all` for all of them."""
+    """Links before the planner to change, one at a time; `all` for all of them. They stay likewise."""
     workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Worker processes; the default is one for each processor."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
@@ -55,21 +55,23 @@ class ComparisonCommand:
 
 def run(args: list[str]) -> int:
     """Run what is missing, then build table and report from all runs; exit status 1 when runs failed."""
-    began = time.perf_counter()
     command = parse(ComparisonCommand, args, PROGRAM, HELP)
     preset = load_preset(command.preset)
     preset = with_named(preset, "ablations", command.ablations, ABLATIONS)
     preset = with_named(preset, "links", command.links, LINKS)
+    preset = with_stored_arms(preset, command.out)
     workers = worker_count(command.workers)
     runs = planned_runs(preset)
     check_runs(runs)
     prepare_output(command.out)
     write_atomically(command.out / STUDY, strict_json(preset.model_dump(mode="json"), indent=1).encode())
+    clock = StudyClock.started(command.out, command.out / RUNS, stored_summary(command.out)["wall_s"])
     failures = reconstruct_all(command.out, preset, runs, workers)
     for failure in failures:
         warn(f"{PROGRAM}: {failure.name}: {failure.reason}")
-    summary, comparison = evaluate(command.out, preset, runs, failures, time.perf_counter() - began)
-    say(f"{paragraph(comparison, len(runs), len(failures))}\nReport: {command.out / REPORT}")
+    summary, comparison = evaluate(command.out, preset, runs, failures, clock.elapsed_s())
+    clock.stop()
+    say(f"{paragraph(comparison, len(runs), failed_runs(failures))}\nReport: {command.out / REPORT}")
     if command.json:
         say_json(summary)
     return 1 if failures else 0
@@ -82,6 +84,32 @@ def with_named(preset: Preset, field: str, names: tuple[str, ...], known: Mappin
         if name not in known:
             raise InputError(f"--{field} {name}: there is none; {suggest(name, known)}")
     return preset.model_copy(update={field: tuple(dict.fromkeys(names))}) if names else preset
+
+
+def with_stored_arms(preset: Preset, out: Path) -> Preset:
+    """The preset with those ablations and links besides that the study in this folder has, if it is the same study.
+
+    If it is another one (a preset with more runs in the same folder, say), its arms are left out, and it is said.
+    """
+    if not (out / STUDY).exists():
+        return preset
+    try:
+        stored = load_config(Preset, out / STUDY)
+    except InputError as error:
+        warn(f"{PROGRAM}: {error}; it is replaced, and the report leaves out what only it names")
+        return preset
+    ours, theirs = (config.model_dump(exclude={"ablations", "links"}) for config in (preset, stored))
+    differing = [key for key in ours if ours[key] != theirs[key]]
+    if not differing:
+        arms = {field: (*getattr(stored, field), *getattr(preset, field)) for field in ("ablations", "links")}
+        return preset.model_copy(update={field: tuple(dict.fromkeys(names)) for field, names in arms.items()})
+    left_out = [name for name in (*stored.ablations, *stored.links) if name not in (*preset.ablations, *preset.links)]
+    if left_out:
+        warn(
+            f"{PROGRAM}: {out / STUDY}: was of a study with another {', '.join(differing)}; "
+            f"its {', '.join(left_out)} are not in this one, name them to have them"
+        )
+    return preset
 
 
 def reconstruct_all(out: Path, preset: Preset, runs: list[PlannedRun], workers: int) -> list[Failure]:
@@ -98,7 +126,7 @@ def speed_job(out: Path, preset: Preset, runs: list[PlannedRun]) -> Job | None:
     found = next((case for case in cases if case), None)
     if not preset.speed or found is None or (out / SPEED).exists():
         return None
-    return Job("planning speed", measure_speed, SpeedTask(out, found, preset.parameters))
+    return Job(SPEED_JOB, measure_speed, SpeedTask(out, found, preset.parameters))
 
 
 def evaluate(
@@ -108,17 +136,23 @@ def evaluate(
     comparison = Comparison(read_records(out, runs))
     write_rows(out / TABLE, COLUMNS, map(table_row, comparison.records))
     parts = list(dict.fromkeys(planned.part for planned in runs))
-    summary = json_summary(comparison, parts, preset.planners, len(failures), wall_s)
+    summary = json_summary(comparison, parts, preset.planners, failed_runs(failures), wall_s)
     stored = {**summary, "failures": [asdict(failure) for failure in failures]}
     write_atomically(out / SUMMARY, strict_json(stored, indent=1).encode())
     write_comparison_report(out, preset, comparison, len(runs), failures)
     return summary, comparison
 
 
+def stored_summary(out: Path) -> dict[str, Any]:
+    """What the last command that came to its end stored; its failures, and the wall time of the study [s]."""
+    path = out / SUMMARY
+    return json.loads(path.read_text()) if path.exists() else {"failures": [], "wall_s": 0.0}
+
+
 def rebuild(out: Path) -> Path:
     """Table, summary and report of a comparison from its folder alone; returns the report's path."""
     preset = load_config(Preset, out / STUDY)
-    before = json.loads((out / SUMMARY).read_text()) if (out / SUMMARY).exists() else {"failures": [], "wall_s": 0.0}
+    before = stored_summary(out)
     failures = [Failure(**failure) for failure in before["failures"]]
     evaluate(out, preset, planned_runs(preset), failures, before["wall_s"])
     return out / REPORT

@@ -3,19 +3,28 @@
 from collections.abc import Sequence
 from typing import Any
 
+from scenes.parts import PART_NAMES
 from studies.comparison_statistics import Comparison
 from studies.goals import goals_json
 from studies.paired_statistics import Interval
 from studies.paper_results import findings
+from studies.planning_speed import SPEED_JOB
 from studies.run_words import counted
 from studies.verdicts import verdict_words
+from studies.workers import Failure
 
 
 def json_summary(comparison: Comparison, parts: Sequence[str], planners: Sequence[str], failed: int, wall_s: float):
-    """The object that `--json` prints; shares as fractions, lengths in millimetres, means over runs."""
-    of_parts = [part for part in parts if part in "ABCD"]
+    """The object that `--json` prints; shares as fractions, lengths in millimetres, means over runs.
+
+    `runs` are those of the planners as they are on parts A to D, `other_runs` those of the inside corner, of ablations
+    and of changed links; `failed` counts runs of all kinds. `wall_s` is that of all commands that worked on the study.
+    """
+    of_parts = [part for part in parts if part in PART_NAMES]
+    main = [record for record in comparison.records if record.part in of_parts and record.arm in planners]
     return {
-        "runs": len(comparison.records),
+        "runs": len(main),
+        "other_runs": len(comparison.records) - len(main),
         "failed": failed,
         "wall_s": wall_s,
         "processor_s": sum(record.processor_s for record in comparison.records),
@@ -48,6 +57,11 @@ def arm_summary(comparison: Comparison, part: str, arm: str) -> dict[str, Any]:
         "recovery_contribution": mean("recovery_share"),
         "runs": len(comparison.runs(part, arm)),
     }
+
+
+def failed_runs(failures: Sequence[Failure]) -> int:
+    """How many of the jobs that failed were runs; the measurement of planning times is none."""
+    return sum(failure.name != SPEED_JOB for failure in failures)
 
 
 def paragraph(comparison: Comparison, planned: int, failed: int) -> str:

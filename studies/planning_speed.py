@@ -27,6 +27,8 @@ from studies.stored_run import StoredRun
 
 SPEED = "planning_speed.json"
 """File of the measurement in the study's folder."""
+SPEED_JOB = "planning speed"
+"""Name of the job that measures."""
 EDGES = (64, 96, 128, 192, 256)
 """Voxels: as many as a cube of this edge has."""
 CANDIDATES = (32, 128, 512, 2048)

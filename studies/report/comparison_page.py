@@ -8,7 +8,7 @@ from typing import Any
 from studies.cases import write_atomically
 from studies.comparison_preset import Preset
 from studies.comparison_statistics import Comparison
-from studies.comparison_summary import paragraph
+from studies.comparison_summary import failed_runs, paragraph
 from studies.goals import activations_rise
 from studies.paired_statistics import least_p
 from studies.paper_results import findings
@@ -67,7 +67,7 @@ def comparison_html(
         .get_template("comparison.html.j2")
         .render(
             title=preset.title,
-            paragraph=paragraph(comparison, planned, len(failures)),
+            paragraph=paragraph(comparison, planned, failed_runs(failures)),
             numbers=main_numbers(comparison, arms),
             preset=preset,
             parts=parts,
