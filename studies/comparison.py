@@ -21,7 +21,7 @@ from studies.comparison_summary import failed_runs, json_summary, paragraph
 from studies.config import load_config
 from studies.console import say, say_json, strict_json, warn
 from studies.link_change import LINKS
-from studies.planning_speed import SPEED, SPEED_JOB, SpeedTask, measure_speed
+from studies.planning_speed import SPEED_JOB, SpeedTask, is_measured, measure_speed
 from studies.report.comparison_page import write_comparison_report
 from studies.report_command import COMPARISON
 from studies.stored_run import REPORT
@@ -121,12 +121,16 @@ def reconstruct_all(out: Path, preset: Preset, runs: list[PlannedRun], workers: 
 
 
 def speed_job(out: Path, preset: Preset, runs: list[PlannedRun]) -> Job | None:
-    """The measurement of planning times on the map of the last part's first finished run, unless it is there."""
-    cases = [finished_case(out / RUNS, planned.digest) for planned in runs if planned.part in preset.parts[-1:]]
-    found = next((case for case in cases if case), None)
-    if not preset.speed or found is None or (out / SPEED).exists():
+    """The measurement of planning times on the maps of PB's first finished run on the last part (of FRA's the third
+    view may be a recovery), unless it is there."""
+    sources = [
+        planned for planned in runs if (planned.part, planned.arm) in {(part, "pb") for part in preset.parts[-1:]}
+    ]
+    found = next((case for planned in sources if (case := finished_case(out / RUNS, planned.digest))), None)
+    if not preset.speed or found is None:
         return None
-    return Job(SPEED_JOB, measure_speed, SpeedTask(out, found, preset.parameters))
+    task = SpeedTask(out, found, preset.parameters)
+    return None if is_measured(task) else Job(SPEED_JOB, measure_speed, task)
 
 
 def evaluate(

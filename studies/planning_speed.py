@@ -2,10 +2,12 @@
 
 The first acquisitions of a finished run are put into maps of finer and finer voxels; then one more enters and the
 candidates are scored. Each stage is timed by itself, in processor time of one thread, so that it is seen where a method
-spends its time.
+spends its time. On the same maps RE's rays are followed by the plain Python loop that they are checked against, too.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+import json
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -19,10 +21,13 @@ from franbv.parameters import Parameters
 from franbv.planners import Model, Planner, integrate_median, pb, re
 from franbv.sensing import DepthBurst
 from franbv.stage_clock import StageClock
+from franbv.volumetric_information import view_information
 from franbv.voxel_map import VoxelMap, empty_map
 from studies.captures import stored_depths
 from studies.cases import write_atomically
 from studies.console import strict_json
+from studies.machine import machine
+from studies.plain_information import plain_information
 from studies.stored_run import StoredRun
 
 SPEED = "planning_speed.json"
@@ -39,13 +44,26 @@ CLOSED = (360, 240)
 the smallest voxel where the part is)."""
 N_VIEWS = 3
 """Acquisitions in the map, the last of which is timed (choice: the object has been seen, much is still unknown)."""
-REPEATS = 3
+FEWEST, MOST = 3, 30
 """Times each decision is made; the median counts."""
-MOST_REPEATED_S = 1.0
-"""Decisions are repeated until they have taken this long together [s]."""
+REPEATED_S = 1.0
+"""Decisions are repeated at least until they have taken this long together [s] (choice: what another process takes from
+the caches then weighs little)."""
+PLAIN_VIEWS = 2
+"""Views that the plain loop is timed on (choice: the first candidate and one half-way through them)."""
+PLAIN_GOAL = 50.0
+"""How many times faster than the plain loop RE's rays are to be."""
+PB_GOAL_S = 0.10
+"""How long a decision of PB may take at the paper's size [s]."""
+FORMAT = 2
+"""Of the file; one of another format is measured anew."""
 AZIMUTH = 0.3
 """Turn of the candidates [rad]; any that is not along the grid's axes."""
 
+PAPER = ("candidates", min(CANDIDATES))
+"""Axis and size of the setting that has the paper's map, candidates and pixels."""
+STAGES = ("map", "object", "ellipsoids", "candidates", "score")
+"""Of a decision."""
 PLANNERS: dict[str, Callable[[], Planner]] = {"pb": pb, "re": re}
 
 
@@ -55,19 +73,59 @@ class SpeedTask:
 
     out: Path
     case: Path
-    """A finished run."""
+    """A finished run without recoveries among its first views."""
     parameters: Parameters
+
+    def identity(self) -> dict[str, Any]:
+        """What was measured; the name of the run stands for its settings, parameters included."""
+        sizes = {"voxels": EDGES, "candidates": CANDIDATES, "pixels": IMAGES}
+        return json.loads(strict_json({"format": FORMAT, "run": self.case.name, "sizes": sizes}))
 
 
 def measure_speed(task: SpeedTask) -> None:
     """Time all decisions and write them to `SPEED`."""
-    rows = [
-        {"axis": axis, "size": size, "planner": name, **stages}
-        for axis, size, grid, burst, parameters in _settings(task)
-        for name, planner in PLANNERS.items()
-        for stages in [median_decision(planner(), grid, burst, parameters)]
-    ]
-    write_atomically(task.out / SPEED, strict_json({"run": task.case.name, "rows": rows}, indent=1).encode())
+    rows, plain = [], []
+    for axis, size, grid, burst, parameters in _settings(task):
+        setting = {"axis": axis, "size": size}
+        for name, planner in PLANNERS.items():
+            rows.append({**setting, "planner": name, **median_decision(planner(), grid, burst, parameters)})
+        if axis == "voxels" or (axis, size) == PAPER:
+            plain.append({**setting, **plain_comparison(grid, burst, parameters)})
+    found = {**task.identity(), "machine": machine(), "goals": goals(rows, plain), "rows": rows, "plain": plain}
+    write_atomically(task.out / SPEED, strict_json(found, indent=1).encode())
+
+
+def stored_speed(out: Path) -> dict[str, Any] | None:
+    """The measurement in a study's folder, None if there is none, or one of another format."""
+    path = out / SPEED
+    found = json.loads(path.read_text()) if path.exists() else {}
+    return found if found.get("format") == FORMAT else None
+
+
+def is_measured(task: SpeedTask) -> bool:
+    """Whether the stored measurement is of this run and these sizes."""
+    found = stored_speed(task.out)
+    return found is not None and task.identity().items() <= found.items()
+
+
+def goals(rows: Sequence[Mapping[str, Any]], plain: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, float]]:
+    """What is wanted and what was measured at the paper's size, in the best and the worst of the maps too."""
+    ratios = {(row["axis"], row["size"]): row["plain_view_s"] / row["view_s"] for row in plain}
+    pb_s = next(decision_s(row) for row in rows if (row["axis"], row["size"], row["planner"]) == (*PAPER, "pb"))
+    return {
+        "re_times_faster_than_plain_loop": {
+            "at_least": PLAIN_GOAL,
+            "measured": ratios[PAPER],
+            "lowest": min(ratios.values()),
+            "highest": max(ratios.values()),
+        },
+        "pb_decision_s": {"at_most": PB_GOAL_S, "measured": pb_s},
+    }
+
+
+def decision_s(row: Mapping[str, Any]) -> float:
+    """All stages of a decision [s]."""
+    return sum(row[stage] for stage in STAGES)
 
 
 def _settings(task: SpeedTask) -> Iterator[tuple[str, int, VoxelMap, DepthBurst, Parameters]]:
@@ -118,10 +176,31 @@ def median_decision(planner: Planner, grid: VoxelMap, burst: DepthBurst, paramet
     """Median seconds of each stage of a decision with this burst, and how much there was to decide on."""
     timed: list[dict[str, float]] = []
     sizes: dict[str, int] = {}
-    while len(timed) < REPEATS and sum(map(_total, timed)) < MOST_REPEATED_S:
+    while len(timed) < FEWEST or (len(timed) < MOST and sum(map(decision_s, timed)) < REPEATED_S):
         stages, sizes = _decision(planner, grid, burst, parameters)
         timed.append(stages)
-    return {**{stage: float(np.median([row[stage] for row in timed])) for stage in timed[0]}, **sizes}
+    return {**{stage: float(np.median([row[stage] for row in timed])) for stage in STAGES}, **sizes}
+
+
+def plain_comparison(grid: VoxelMap, burst: DepthBurst, parameters: Parameters) -> dict[str, float]:
+    """Seconds a view that RE's rays take over all candidates, and in plain Python over `PLAIN_VIEWS` of them; largest
+    relative difference of what the two find."""
+    grid = re().integrate(grid, burst, parameters)
+    poses = candidate_poses(object_model(grid, parameters).box, parameters, AZIMUTH)
+    fast: list[float] = []
+    while len(fast) < FEWEST or (len(fast) < MOST and sum(fast) < REPEATED_S):
+        start = time.thread_time()
+        found = view_information(grid, burst.intrinsics, poses)
+        fast.append(time.thread_time() - start)
+    some = np.arange(PLAIN_VIEWS) * len(poses) // PLAIN_VIEWS
+    start = time.thread_time()
+    expected = np.array([plain_information(grid, burst.intrinsics, poses[k], "occlusion_aware") for k in some])
+    plain_s = time.thread_time() - start
+    return {
+        "view_s": float(np.median(fast)) / len(poses),
+        "plain_view_s": plain_s / PLAIN_VIEWS,
+        "relative_difference": float(np.max(np.abs(found[some] / expected - 1.0))),
+    }
 
 
 def _decision(
@@ -145,7 +224,3 @@ def _decision(
         "rays": burst.intrinsics.width * burst.intrinsics.height,
     }
     return clock.read(), sizes
-
-
-def _total(stages: dict[str, float]) -> float:
-    return sum(stages.values())

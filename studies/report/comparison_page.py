@@ -1,6 +1,5 @@
 """The report of a comparison: the paper's sentences beside our numbers, curves, tables, boxes, times, ablations."""
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from studies.comparison_summary import failed_runs, paragraph
 from studies.goals import activations_rise
 from studies.paired_statistics import least_p
 from studies.paper_results import findings
-from studies.planning_speed import SPEED
+from studies.planning_speed import stored_speed
 from studies.report.cells import probability
 from studies.report.change_tables import ablation_rows, changed_link_rows, variant_rows
 from studies.report.comparison_tables import (
@@ -21,7 +20,6 @@ from studies.report.comparison_tables import (
     goal_rows,
     loss_rows,
     overhead_words,
-    speed_words,
     time_rows,
 )
 from studies.report.headline import arm_words, main_numbers, part_words, short_words, version_words
@@ -29,7 +27,7 @@ from studies.report.increments_figure import increments_figure
 from studies.report.link_words import link_words
 from studies.report.page import flattened
 from studies.report.planner_curves_figure import coinciding, planner_curves_figure
-from studies.report.speed_figure import speed_figure
+from studies.report.speed_tables import speed_section
 from studies.report.templates import asset, environment
 from studies.stored_run import REPORT
 from studies.verdicts import DIRECTION, FOUND, TOO_FEW, UNKNOWN
@@ -44,8 +42,7 @@ def write_comparison_report(
 ) -> Path:
     """(Re)build `report.html` in the study's folder; returns its path."""
     path = out / REPORT
-    speed = json.loads((out / SPEED).read_text()) if (out / SPEED).exists() else None
-    write_atomically(path, comparison_html(preset, comparison, planned, failures, speed).encode())
+    write_atomically(path, comparison_html(preset, comparison, planned, failures, stored_speed(out)).encode())
     return path
 
 
@@ -91,8 +88,7 @@ def comparison_html(
             overhead=overhead_words(comparison),
             losses=loss_rows(comparison, parts),
             links=link_words(comparison, parts, preset.parameters.recovered_share),
-            speed=speed_figure(speed["rows"]) if speed else None,
-            speed_words=speed_words(speed["rows"]) if speed else "",
+            speed=speed_section(speed) if speed else None,
             ablations=ablation_rows(comparison, preset.ablated_parts),
             changed_links=changed_link_rows(comparison, preset.ablated_parts),
             failures=failures,

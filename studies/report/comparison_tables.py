@@ -1,6 +1,6 @@
 """Rows of the tables in a comparison's report."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,6 @@ from studies.comparison_statistics import Comparison
 from studies.goals import ATS, CLOUDS, GOALS, judge
 from studies.paper_numbers import ITERATION_S, paper_ratio
 from studies.report.cells import NONE, POINTS, change, mean, probability, seconds, spread, with_range
-from studies.report.speed_figure import decision_s
 from studies.verdicts import adjusted_p
 
 ARM_CELLS = {
@@ -140,29 +139,3 @@ def loss_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[str, An
             means = {key: float(np.mean([t[key] for t in totals])) for key in totals[0]}
             rows.append({"part": part, **means, "largest_gamma": max(t["largest_gamma"] for t in totals)})
     return rows
-
-
-def speed_words(rows: Iterable[Mapping[str, Any]]) -> str:
-    """Which method plans faster where, in words."""
-    by_size: dict[tuple[str, int], dict[str, Mapping[str, Any]]] = {}
-    for row in rows:
-        by_size.setdefault((row["axis"], row["size"]), {})[row["planner"]] = row
-    sentences = []
-    for axis, name in (("voxels", "voxels along an edge"), ("candidates", "candidates"), ("pixels", "pixels a row")):
-        ratios = {
-            size: decision_s(both["re"]) / decision_s(both["pb"])
-            for (a, size), both in sorted(by_size.items())
-            if a == axis
-        }
-        sentences.append(f"{', '.join(f'{ratio:.2g} with {size}' for size, ratio in ratios.items())} {name}")
-    paper = by_size["candidates", min(size for axis, size in by_size if axis == "candidates")]
-    pb, re = (1000 * decision_s(paper[planner]) for planner in ("pb", "re"))
-    scored = [1000 * paper[planner]["score"] for planner in ("pb", "re")]
-    faster = sum(both["pb"]["score"] < both["re"]["score"] for both in by_size.values())
-    return (
-        f"At the paper's size (a map of {paper['pb']['map_voxels']:,} voxels, {paper['pb']['poses']} candidates, "
-        f"{paper['pb']['rays']:,} pixels) a decision takes {pb:.0f} ms with PB and {re:.0f} ms with RE, of which "
-        f"scoring takes {scored[0]:.1f} and {scored[1]:.1f} ms: a fast RE is {'not ' if re <= pb else ''}slower than "
-        f"PB there. PB scores faster in {faster} of the {len(by_size)} settings, but must fit its ellipsoids first. "
-        f"RE's decision takes so many times PB's: {'; '.join(sentences)}."
-    )

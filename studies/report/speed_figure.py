@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
+from studies.planning_speed import decision_s
 from studies.report import svg
 
 WIDTH, HEIGHT = 1160, 300
-LEFT, RIGHT, TOP, BOTTOM = 52, 18, 46, 250
+LEFT, RIGHT, TOP, BOTTOM = 52, 30, 46, 250
 """Margins left and right of each panel, its upper and lower edge [px]."""
-STAGES = ("map", "object", "ellipsoids", "candidates", "score")
 PANELS = (
     ("voxels", "Voxels along an edge", "map_voxels", "voxels"),
     ("candidates", "Candidate poses", "poses", "poses"),
@@ -31,17 +31,12 @@ def speed_figure(rows: Rows) -> Markup:
     return svg.figure(WIDTH, HEIGHT, "Planning time of PB and RE", *panels)
 
 
-def decision_s(row: Mapping[str, Any]) -> float:
-    """All stages of a decision [s]."""
-    return sum(row[stage] for stage in STAGES)
-
-
 def _panel(
     rows: Rows, axis: str, name: str, size: str, unit: str, left: float, width: float, low: float, high: float
 ) -> Markup:
     here = [row for row in rows if row["axis"] == axis]
-    sizes = sorted({row[size] for row in here})
-    x = svg.Scale(float(np.log10(sizes[0])), float(np.log10(sizes[-1])), left + LEFT, left + width - RIGHT)
+    sizes = {row[size]: row["size"] if axis == "voxels" else row[size] for row in here}
+    x = svg.Scale(float(np.log10(min(sizes))), float(np.log10(max(sizes))), left + LEFT, left + width - RIGHT)
     y = svg.Scale(float(low), float(high), BOTTOM, TOP)
     lines = []
     for planner in ("pb", "re"):
@@ -52,7 +47,7 @@ def _panel(
         svg.text(left + LEFT, 16, name, "axis-label strong"),
         svg.text(left + LEFT, 33, "seconds", "tick-label"),
         _decades(y, left, width, int(low), int(high)),
-        *(_size_tick(x, value, axis) for value in sizes),
+        *(_size_tick(x, value, words) for value, words in sizes.items()),
         *lines,
     )
 
@@ -69,11 +64,10 @@ def _decades(y: svg.Scale, left: float, width: float, low: int, high: int) -> Ma
     return svg.join(*rows)
 
 
-def _size_tick(x: svg.Scale, value: int, axis: str) -> Markup:
+def _size_tick(x: svg.Scale, value: int, words: int) -> Markup:
     place = x(float(np.log10(value)))
-    words = f"{round(value ** (1 / 3))}" if axis == "voxels" else f"{value}"
     tick = svg.line(place, BOTTOM, place, BOTTOM + 5, "tick")
-    return svg.join(tick, svg.text(place, BOTTOM + 19, words, "tick-label mid"))
+    return svg.join(tick, svg.text(place, BOTTOM + 19, f"{words:,}", "tick-label mid"))
 
 
 def _line(

@@ -13,8 +13,8 @@ from franbv.planners import Model, pb, re
 from franbv.stage_clock import StageClock
 from franbv.volumetric_information import view_information
 from franbv.voxel_map import empty_map
+from studies.plain_information import plain_information
 from tests.franbv.analytic_camera import SENSOR, AnalyticCamera
-from tests.franbv.plain_information import plain_information
 
 PARAMETERS = Parameters()
 BOX = ((-0.05, -0.04, 0.0), (0.05, 0.04, 0.07))

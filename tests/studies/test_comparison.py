@@ -26,6 +26,7 @@ from studies.workers import Failure
 from tests.studies.analytic_ball import reconstruct_ball
 from tests.studies.browser import CHROMIUM, visit
 from tests.studies.comparison_records import made_record
+from tests.studies.made_speed import with_goals
 
 SMALL = Parameters(n_frames=3, max_iterations=3)
 
@@ -171,14 +172,16 @@ def test_report_command_rebuilds_table_summary_and_page(study: tuple[Path, Prese
 def test_speed_is_measured_at_every_size(study: tuple[Path, Preset], monkeypatch: pytest.MonkeyPatch):
     """PB and RE on the same maps at all sizes; what the axis changes is what grows."""
     out, preset = study
+    monkeypatch.setattr(planning_speed, "REPEATED_S", 0.0)
     monkeypatch.setattr(planning_speed, "EDGES", (40, 50))
-    monkeypatch.setattr(planning_speed, "CANDIDATES", (8, 16))
+    monkeypatch.setattr(planning_speed, "CANDIDATES", (32, 64))
     monkeypatch.setattr(planning_speed, "IMAGES", ((60, 40), (90, 60)))
     measure_speed(SpeedTask(out, out / RUNS / planned_runs(preset)[0].digest, preset.parameters))
-    rows = json.loads((out / SPEED).read_text())["rows"]
+    found = json.loads((out / SPEED).read_text())
+    rows = found["rows"]
     assert [(row["axis"], row["size"], row["planner"]) for row in rows] == [
         (axis, size, planner)
-        for axis, sizes in (("voxels", (40, 50)), ("candidates", (8, 16)), ("pixels", (60, 90)))
+        for axis, sizes in (("voxels", (40, 50)), ("candidates", (32, 64)), ("pixels", (60, 90)))
         for size in sizes
         for planner in ("pb", "re")
     ]
@@ -186,7 +189,16 @@ def test_speed_is_measured_at_every_size(study: tuple[Path, Preset], monkeypatch
     assert [row["rays"] for row in rows[8:]] == [2400, 2400, 5400, 5400]
     assert rows[4]["poses"] < rows[6]["poses"]
     assert all(row["object_voxels"] > 100 for row in rows)
-    assert "a decision takes" in _page(out, preset)
+    assert [(row["axis"], row["size"]) for row in found["plain"]] == [
+        ("voxels", 40),
+        ("voxels", 50),
+        ("candidates", 32),
+    ]
+    assert all(row["relative_difference"] < 1e-6 for row in found["plain"])
+    assert all(row["plain_view_s"] > row["view_s"] > 0 for row in found["plain"])
+    page = _page(out, preset)
+    assert "a decision takes" in page
+    assert "plain Python loop" in page
 
 
 def _page(out: Path, preset: Preset) -> str:
@@ -230,12 +242,7 @@ def whole_page() -> str:
         for name in ABLATIONS:
             records += [made_record(part, name, run, (0.3, 0.5, 0.7, 0.8), "fnnn") for run in range(3)]
     failures = [Failure("D re, run 3", "its process was ended by SIGKILL")]
-    rows = [
-        {"axis": axis, "size": size, "planner": planner, "map": 0.01, "object": 0.01, "ellipsoids": 0.02,
-         "candidates": 0.001, "score": 0.002 * size, "map_voxels": size**3, "poses": size, "rays": 40 * size}
-        for axis in ("voxels", "candidates", "pixels") for size in (32, 64) for planner in ("pb", "re")
-    ]  # fmt: skip
-    return comparison_html(preset, comparison.Comparison(records), len(records) + 1, failures, {"rows": rows})
+    return comparison_html(preset, comparison.Comparison(records), len(records) + 1, failures, with_goals())
 
 
 def test_page_sets_every_number_of_the_paper_beside_ours():

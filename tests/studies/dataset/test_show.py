@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import studies.dataset
+from render.causes import GROUPS
 from studies.cli import main
 from studies.dataset.check import dataset_problems
 
@@ -37,7 +38,8 @@ def test_the_card_prints_holes_causes_and_incidence(small_dataset: Path):
     """Hole share as counted above, cause shares that add up to it, nine bins of incidence, every declared factor."""
     card = (small_dataset / "README.md").read_text()
     assert f"| **no depth** | {100 * _hole_share(small_dataset):.1f} % | 100.0 % |" in card
-    groups = ("out_of_range", "no_overlap", "occlusion", "projector_shadow", "over_exposed", "reflection", "unexplained")
+    groups = [group for group in GROUPS if f"\n| {group} | " in card]
+    assert set(GROUPS) == set(groups)
     shares = [float(card.split(f"\n| {group} | ")[1].split(" % | ")[1].split(" %")[0]) for group in groups]
     assert sum(shares) == pytest.approx(100, abs=0.05 * len(groups) + 1e-9)
     assert card.count(" deg  ") >= 9
