@@ -45,8 +45,9 @@ def write_twin(path: Path, twin: MatteTwin) -> None:
 def read_twin(path: Path) -> MatteTwin:
     """The twin as it was written."""
     arrays = read_arrays(path)
-    outcome, own = ([_image(arrays, name) for name in names] for names in (OUTCOME_MAPS, OWN_MAPS))
-    return MatteTwin(Outcome(*outcome), *own, int(arrays["n_frames"]))
+    maps = {name: _image(arrays, name) for name in (*OUTCOME_MAPS, *OWN_MAPS)}
+    outcome = Outcome(*(maps[name] for name in OUTCOME_MAPS))
+    return MatteTwin(outcome, maps["lost_to_shadow"], maps["lost_to_exposure"], int(arrays["n_frames"]))
 
 
 def _image(arrays: dict[str, np.ndarray], name: str) -> Bool[np.ndarray, "h w"]:
