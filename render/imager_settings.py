@@ -21,6 +21,8 @@ MOST_GAIN = 248.0
 """The highest gain setting, 15.5x (librealsense: gain 16-248)."""
 LONGEST_EXPOSURE_US = 165_000.0
 """[us] (librealsense, D435i: exposure 1-165000, default 8500)."""
+MOST_LASER_POWER_MW = 360.0
+"""Highest laser power [mW] (librealsense: 0-360)."""
 REFERENCE_LASER_POWER_MW = 150.0
 """Laser power for which the projector layer is rendered [mW] (librealsense's default setting)."""
 WHITE_LEVEL = 255.0
@@ -36,7 +38,7 @@ class ImagerSettings(BaseModel):
     """Exposure time [us] (librealsense, default of the D435i)."""
     gain: float = Field(default=LEAST_GAIN, ge=LEAST_GAIN, le=MOST_GAIN)
     """Gain in librealsense's units, 16 = 1x."""
-    laser_power_mw: float = Field(default=REFERENCE_LASER_POWER_MW, ge=0.0, le=360.0)
+    laser_power_mw: float = Field(default=REFERENCE_LASER_POWER_MW, ge=0.0, le=MOST_LASER_POWER_MW)
     """Average optical power while the projector is on [mW] (librealsense: 0-360, default 150)."""
     laser_pulse_us: float | None = Field(default=None, gt=0.0)
     """Longest time that the projector is on within one exposure [us]; None: as long as the exposure, with which the

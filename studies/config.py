@@ -32,7 +32,7 @@ def read_yaml(path: Path) -> dict[str, Any]:
     try:
         data = yaml.safe_load(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
-        raise InputError(f"{path}: no such file; check the path given to --config") from None
+        raise InputError(f"{path}: no such file; check the path") from None
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be read as text ({error}); give a YAML file") from None
     except yaml.YAMLError as error:
@@ -83,6 +83,9 @@ def one_line(error: ValidationError, source: str, model: type[BaseModel] | None 
     more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
     if first["type"] == "extra_forbidden" and model is not None:
         return f"{source}: unknown key `{key}`{more}; {nearest_key(model, first['loc'])}"
+    if first["loc"][-1:] == ("[key]",) and isinstance(first["input"], bool):
+        place = ".".join(str(part) for part in first["loc"][:-2])
+        return f'{source}: `{place}`: YAML takes a bare on, off, yes or no for a truth value{more}; quote it: "off"'
     message = first["msg"].removeprefix("Value error, ")
     message = message[0].lower() + message[1:]
     if not key:

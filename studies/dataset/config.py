@@ -1,14 +1,18 @@
 """What a dataset is drawn from: the declared distribution of scenes, lights, cameras and poses, read from YAML."""
 
+import math
+from collections import Counter
 from pathlib import Path
 from typing import Annotated, Literal, get_args
 
 from pydantic import AfterValidator, Field, model_validator
 
-from materials.catalog import finish_names, material, material_names, metal_names
+from materials.catalog import finish_names, material_names, metal_names
 from materials.suggestion import suggest
+from render.imager_settings import LONGEST_EXPOSURE_US, MOST_LASER_POWER_MW
 from render.rig import FOCAL_LENGTHS_PX
 from scenes.lamps import LIGHTING_NAMES
+from scenes.part_materials import part_materials
 from scenes.parts import PART_NAMES
 from studies.config import Config, load_config
 
@@ -37,6 +41,20 @@ Weights = Annotated[dict[str, Annotated[float, Field(ge=0)]], AfterValidator(_we
 """Name -> how often it is drawn, relative to the others."""
 Share = Annotated[float, Field(ge=0, le=1)]
 Count = Annotated[int, Field(ge=1, le=1_000_000)]
+Things = Annotated[int, Field(ge=0, le=20)]
+"""Of one sort on the table (choice: more find no place on it)."""
+Side = Annotated[float, Field(ge=0.001, le=0.2)]
+"""Of clutter [m] (choice: from what few pixels see to a quarter of the table's depth)."""
+LaserPower = Annotated[float, Field(ge=0.1, le=MOST_LASER_POWER_MW)]
+"""[mW]; drawn to 0.1 mW, by its logarithm, so never 0."""
+Exposure = Annotated[float, Field(ge=1, le=LONGEST_EXPOSURE_US)]
+"""[us]; drawn to 1 us."""
+Elevation = Annotated[float, Field(ge=0, le=90)]
+"""[deg] above the table."""
+Distance = Annotated[float, Field(ge=0.1, le=1.0)]
+"""[m] (choice: up to here no furniture of the room is in the camera's way, and all depth fits 16 bits)."""
+LEAST_HEIGHT = 0.0125
+"""Of the camera above the table top [m]: half of its housing (D400 datasheet: 25 mm high)."""
 
 
 class UserCad(Config):
@@ -63,7 +81,7 @@ class Objects(Config):
     """CAD files of yours."""
     arrangement: Weights = Field(default={"single": 0.6, "pile": 0.4})
     """One part, or several that lie on the table and on each other."""
-    pile_parts: Annotated[tuple[int, int], AfterValidator(_ordered)] = (2, 5)
+    pile_parts: Annotated[tuple[Annotated[Things, Field(ge=1)], Things], AfterValidator(_ordered)] = (2, 5)
     """Fewest and most parts of a pile."""
     upright: Share = 0.5
     """Share of single parts that stand as designed; the others lie in one of their stable poses."""
@@ -95,10 +113,10 @@ class Surroundings(Config):
     room: Share = 0.8
     """Share of scenes in a closed room; in the others ambient light comes from everywhere and behind the table is
     nothing."""
-    clutter: Annotated[tuple[int, int], AfterValidator(_ordered)] = (0, 4)
+    clutter: Annotated[tuple[Things, Things], AfterValidator(_ordered)] = (0, 4)
     """Fewest and most other things on the table."""
     clutter_shapes: Weights = Field(default={"box": 1, "cylinder": 1, "ball": 1})
-    clutter_size_m: Annotated[tuple[float, float], AfterValidator(_ordered)] = (0.015, 0.06)
+    clutter_size_m: Annotated[tuple[Side, Side], AfterValidator(_ordered)] = (0.015, 0.06)
     """Their sides and diameters, log-uniform [m]."""
     clutter_materials: Weights
 
@@ -109,11 +127,11 @@ class Camera(Config):
     profiles: Weights = Field(default={"640x360": 1})
     """Stream profiles."""
     matcher: Literal["d4", "sgbm"] = "d4"
-    laser_mw: Annotated[tuple[float, float], AfterValidator(_ordered)] = (30.0, 360.0)
+    laser_mw: Annotated[tuple[LaserPower, LaserPower], AfterValidator(_ordered)] = (30.0, 360.0)
     """Laser power, log-uniform [mW]."""
     auto_exposure: Share = 0.8
     """Share of scenes with auto-exposure."""
-    exposure_us: Annotated[tuple[float, float], AfterValidator(_ordered)] = (2000.0, 33000.0)
+    exposure_us: Annotated[tuple[Exposure, Exposure], AfterValidator(_ordered)] = (2000.0, 33000.0)
     """Exposure of the others, log-uniform [us]."""
     decimation: Annotated[int, Field(ge=2, le=8)] = 8
     """Factor of the decimated depth."""
@@ -125,9 +143,9 @@ class Views(Config):
     per_scene: Annotated[int, Field(ge=1, le=1000)] = 10
     motion: Weights = Field(default={"hemisphere": 0.7, "trajectory": 0.3})
     """Independent poses on the hemisphere, or an even path between two of them."""
-    elevation_deg: Annotated[tuple[float, float], AfterValidator(_ordered)] = (15.0, 85.0)
+    elevation_deg: Annotated[tuple[Elevation, Elevation], AfterValidator(_ordered)] = (15.0, 85.0)
     """Uniform on the sphere between these [deg]."""
-    distance_m: Annotated[tuple[float, float], AfterValidator(_ordered)] = (0.25, 0.7)
+    distance_m: Annotated[tuple[Distance, Distance], AfterValidator(_ordered)] = (0.25, 0.7)
     """From the middle of what is looked at, uniform [m]."""
     roll_deg: Annotated[float, Field(ge=0, le=180)] = 15.0
     """The camera is turned about its axis by up to this, either way [deg]."""
@@ -163,15 +181,16 @@ class DatasetConfig(Config):
 
     @model_validator(mode="after")
     def _known(self) -> "DatasetConfig":
-        m, s = self.materials, self.surroundings
-        specs = (*material_names()[len(metal_names()) :], *(f"{a}:{b}" for a in metal_names() for b in finish_names(a)))
+        m, s, metals = self.materials, self.surroundings, metal_names()
+        non_metals = [name for name in material_names() if name not in metals]
+        specs = (*non_metals, *(f"{metal}:{finish}" for metal in metals for finish in finish_names(metal)))
         for place, words, known in (
             ("objects.parts", self.objects.parts, PART_NAMES),
             ("objects.arrangement", self.objects.arrangement, get_args(Arrangement)),
             ("materials.kind", m.kind, get_args(MaterialKind)),
-            ("materials.metals", m.metals, metal_names()),
+            ("materials.metals", m.metals, metals),
             ("materials.finishes", m.finishes, finish_names()),
-            ("materials.non_metals", m.non_metals, specs[: -len(metal_names())]),
+            ("materials.non_metals", m.non_metals, non_metals),
             ("surroundings.tables", s.tables, specs),
             ("surroundings.clutter_materials", s.clutter_materials, specs),
             ("surroundings.clutter_shapes", s.clutter_shapes, get_args(Shape)),
@@ -182,11 +201,29 @@ class DatasetConfig(Config):
             for word in words:
                 if word not in known:
                     raise ValueError(f"{place}: {word}: there is none; {suggest(word, known)}")
-        for cad in self.objects.cad:
-            for spec in cad.material:
-                material(spec.partition("=")[2] if "=" in spec and "@" not in spec.partition("=")[0] else spec)
-        if not any(self.objects.parts.values()) and not any(cad.weight for cad in self.objects.cad):
+        return self
+
+    @model_validator(mode="after")
+    def _drawable(self) -> "DatasetConfig":
+        """Whatever may be drawn exists: an object, a finish for every metal, a place for the camera."""
+        o, m, p = self.objects, self.materials, self.poses
+        if not any(o.parts.values()) and not any(cad.weight for cad in o.cad):
             raise ValueError("objects: neither a part nor a CAD file has a weight above 0; give one")
+        for name, count in Counter(cad.file.name for cad in o.cad).items():
+            if count > 1:
+                raise ValueError(f"objects.cad: {count} files are named {name}; objects go by file name, so rename one")
+        for cad in o.cad:
+            part_materials(cad.material)
+        for metal in (name for name, weight in m.metals.items() if weight and m.kind.get("metal")):
+            if not any(m.finishes.get(finish) for finish in finish_names(metal)):
+                raise ValueError(
+                    f"materials.finishes: none of them goes with {metal}; give one of {', '.join(finish_names(metal))}"
+                )
+        if p.distance_m[0] * math.sin(math.radians(p.elevation_deg[0])) - p.aim_m < LEAST_HEIGHT:
+            raise ValueError(
+                f"poses: from {p.distance_m[0]:g} m at {p.elevation_deg[0]:g} deg, aimed {p.aim_m:g} m too low, the "
+                "camera is in the table; raise distance_m or elevation_deg, or lower aim_m"
+            )
         return self
 
     @property

@@ -15,6 +15,7 @@ import tyro
 from materials.input_error import InputError
 from studies.cases import output_errors, prepare_output
 from studies.command_line import parse
+from studies.config import validated
 from studies.console import say, say_json, warn
 from studies.dataset.card import write_card
 from studies.dataset.cluster import run_on_cluster
@@ -59,9 +60,7 @@ def run(args: list[str]) -> int:
         raise InputError("--resource is for --scheduler; leave it out")
     config = load_dataset_config(command.config)
     if command.views is not None:
-        if command.views < 1:
-            raise InputError(f"--views {command.views}: give 1 or more")
-        config = config.model_copy(update={"views": command.views})
+        config = validated(DatasetConfig, config.model_dump() | {"views": command.views}, "--views")
     pool = object_pool(config)
     for notice in (notice for thing in pool for notice in thing.notices):
         warn(f"{PROGRAM}: {notice}")

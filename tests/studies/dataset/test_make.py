@@ -112,6 +112,29 @@ def test_another_configuration_is_refused_in_the_same_folder(
         (("workshop: 1", "workshop: -1"), "greater than or equal to 0"),
         (("[0.3, 0.4]", "[0.4, 0.3]"), "swap them"),
         (("seed: 3", "sead: 3"), "unknown key `sead`"),
+        (('"off": 1', "off: 1"), 'quote it: "off"'),
+        (("rubber: 1}\nsurr", "'iron:milled': 1}\nsurr"), "materials.non_metals: iron:milled: there is none"),
+        (("rubber: 1}\nsurr", "brass: 1}\nsurr"), "materials.non_metals: brass: there is none"),
+        (("brass: 1, iron: 1}\n  finishes: {polished: 1, milled: 1}", "gold: 1}\n  finishes: {oxidised: 1}"), "gold"),
+        (("pile_parts: [2, 2]", "pile_parts: [0, 0]"), "objects.pile_parts.0"),
+        (("clutter: [1, 2]", "clutter: [-1, 2]"), "surroundings.clutter.0"),
+        (("clutter: [1, 2]", "clutter: [1, 2]\n  clutter_size_m: [0, 0.1]"), "clutter_size_m.0"),
+        (("{424x240: 1}", "{424x240: 1}, laser_mw: [0, 360]"), "camera.laser_mw.0"),
+        (("{424x240: 1}", "{424x240: 1}, laser_mw: [30, 5000]"), "camera.laser_mw.1"),
+        (("{424x240: 1}", "{424x240: 1}, exposure_us: [-5, 9]"), "camera.exposure_us.0"),
+        (("{424x240: 1}", "{424x240: 1}, exposure_us: [9, 1.0e+9]"), "camera.exposure_us.1"),
+        (("[35, 70]", "[-80, 70]"), "poses.elevation_deg.0"),
+        (("[35, 70]", "[2, 70]"), "the camera is in the table"),
+        (("[0.3, 0.4]", "[-1, 0.4]"), "poses.distance_m.0"),
+        (("[0.3, 0.4]", "[0.3, 8]"), "poses.distance_m.1"),
+        (
+            (
+                "pile_parts",
+                "cad: [{file: a/x.stl, units: mm, material: ['iron:milled']}, "
+                "{file: b/x.stl, units: mm, material: ['brass:milled']}], pile_parts",
+            ),
+            "2 files are named x.stl",
+        ),
         (("pile_parts", "cad: [{file: no.stl, units: mm, material: ['iron:milled']}], pile_parts"), "no.stl"),
     ],
 )
@@ -127,6 +150,17 @@ def test_a_wrong_configuration_is_one_line(
     assert words in error
     assert error.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("views", ["0", "9999999999"])
+def test_a_wrong_number_of_views_is_one_line(
+    small_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture, views: str
+):
+    """From the flag as from the file: between 1 and a million."""
+    assert main(["dataset", "make", str(small_config), str(tmp_path / "out"), "--views", views]) == 2
+    error = capsys.readouterr().err
+    assert "--views" in error
+    assert error.count("\n") == 1
 
 
 def test_a_broken_mesh_in_the_pool_is_one_line(small_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
