@@ -7,7 +7,7 @@ in OpenCV. What is seen of an object is decided by exact rays, not by the measur
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.spatial import ConvexHull
 from scipy.spatial.distance import pdist
 from scipy.spatial.transform import RigidTransform
@@ -17,8 +17,11 @@ from scenes.scene import Mesh
 from scenes.topology import face_normals
 from studies.dataset import rle
 from studies.dataset.draw import SceneDraw
-from studies.dataset.view import LabelledView, bounding_box
+from studies.dataset.view import LabelledView, Silhouette, bounding_box
 from studies.images import MM
+
+LEAST_VISIBLE = 0.1
+"""Share of an object that must be seen for its COCO annotation to count (bop_toolkit, scripts/calc_gt_coco.py)."""
 
 
 def camera_entry(intrinsics: Intrinsics, pose: RigidTransform) -> dict[str, Any]:
@@ -57,23 +60,32 @@ def info_entries(view: LabelledView) -> list[dict[str, Any]]:
             "px_count_all": whole.pixels,
             "px_count_valid": int(np.count_nonzero(whole.mask & (depth > 0))),
             "px_count_visib": int(np.count_nonzero(seen)),
-            "visib_fract": float(np.count_nonzero(seen) / whole.pixels) if whole.pixels else 0.0,
+            "visib_fract": visible_share(whole, seen),
         }
         for whole, seen in zip(view.silhouettes, view.visible, strict=True)
     ]
 
 
+def visible_share(whole: Silhouette, seen: Bool[np.ndarray, "h w"]) -> float:
+    """Share of an object's whole silhouette, beyond the image too, that is seen [0, 1]."""
+    return float(np.count_nonzero(seen) / whole.pixels) if whole.pixels else 0.0
+
+
 def coco_annotations(draw: SceneDraw, number: int, view: LabelledView) -> list[dict[str, Any]]:
-    """What is seen of each object in one view, with the whole silhouette beside it; objects out of sight left out."""
+    """What is seen of each object in one view; objects out of sight are left out.
+
+    As bop_toolkit's calc_gt_coco.py has it by default: area and segmentation of what is seen, but the amodal box, that
+    of the whole silhouette inside the image.
+    """
     return [
         {
             "image_id": number,
             "category_id": thing.object_id,
             "gt_id": place,
             "iscrowd": 0,
-            "ignore": False,
+            "ignore": visible_share(whole, seen) < LEAST_VISIBLE,
             "area": int(np.count_nonzero(seen)),
-            "bbox": list(bounding_box(seen)),
+            "bbox": list(bounding_box(whole.mask)),
             "width": seen.shape[1],
             "height": seen.shape[0],
             "segmentation": rle.encoded(seen),
@@ -85,8 +97,12 @@ def coco_annotations(draw: SceneDraw, number: int, view: LabelledView) -> list[d
 
 
 def coco_file(names: dict[int, str], image_size: tuple[int, int], annotations: list[list[dict[str, Any]]]) -> dict:
-    """`scene_gt_coco.json`. names: of the objects by obj_id. image_size: width, height. annotations: by view."""
-    flat = [{"id": number, **entry} for number, entry in enumerate(e for entries in annotations for e in entries)]
+    """`scene_gt_coco.json`. names: of all objects by obj_id. image_size: width, height. annotations: by view.
+
+    Annotations count from 1, because pycocotools takes an id of 0 for `no match`.
+    """
+    together = (entry for entries in annotations for entry in entries)
+    flat = [{"id": number, **entry} for number, entry in enumerate(together, start=1)]
     return {
         "info": {"description": "visible parts of the objects; segmentation_full holds their whole silhouettes"},
         "licenses": [],

@@ -132,7 +132,7 @@ def write_scene(folder: Path, task: SceneTask, draw: SceneDraw, cameras: Cameras
             exposures.append({"exposure_us": view.exposure_us, "gain": view.gain})
             on_object = np.any(view.visible, axis=0) if view.visible else np.zeros((k.height, k.width), bool)
             statistics.append(counts(view.images, on_object))
-    names = {thing.object_id: thing.object for thing in draw.objects}
+    names = {thing.number: thing.name for thing in object_pool(task.config)}
     files = {
         "scene_camera.json": camera,
         "scene_gt.json": poses,

@@ -9,6 +9,11 @@ import pytest
 import trimesh
 
 from scenes.parts import part_bodies
+from studies.dataset import bop
+from studies.dataset.config import load_dataset_config
+from studies.dataset.draw import draw_scene
+from studies.dataset.objects import object_pool
+from studies.dataset.view import LabelledView, Silhouette
 
 PROJECTION_PX = 1.5
 """A silhouette's box ends at pixel centres that are hit, the projected corners between them."""
@@ -85,6 +90,41 @@ def test_masks_are_counted(small_dataset: Path):
                 assert info["px_count_valid"] == np.count_nonzero(depth[whole > 0])
                 assert info["bbox_visib"] == list(cv2.boundingRect(seen))
                 assert info["visib_fract"] == pytest.approx(cv2.countNonZero(seen) / info["px_count_all"])
+
+
+@pytest.mark.parametrize("scene", [0, 1])
+def test_coco_is_what_evaluators_read(small_dataset: Path, scene: int):
+    """Ids from 1 without gaps, all objects of the dataset as categories, the whole silhouette's box by OpenCV."""
+    folder = small_dataset / "train" / f"{scene:06d}"
+    coco = json.loads((folder / "scene_gt_coco.json").read_text())
+    infos = _scene(small_dataset, scene, "scene_gt_info")
+    assert [(entry["id"], entry["name"]) for entry in coco["categories"]] == [(1, "A"), (2, "C")]
+    assert [entry["id"] for entry in coco["annotations"]] == list(range(1, len(coco["annotations"]) + 1))
+    for entry in coco["annotations"]:
+        whole, seen = (
+            cv2.imread(str(folder / f"{name}/{entry['image_id']:06d}_{entry['gt_id']:06d}.png"), cv2.IMREAD_UNCHANGED)
+            for name in ("mask", "mask_visib")
+        )
+        assert entry["bbox"] == list(cv2.boundingRect(whole))
+        assert entry["area"] == cv2.countNonZero(seen)
+        assert entry["ignore"] == (infos[entry["image_id"]][entry["gt_id"]]["visib_fract"] < 0.1)
+
+
+def test_hardly_visible_objects_do_not_count(small_config: Path):
+    """9 of 100 pixels seen: ignored, the box still the whole one; 10 of 100 are enough."""
+    config = load_dataset_config(str(small_config))
+    draw = draw_scene(config, object_pool(config), 0)
+    whole = np.zeros((20, 20), bool)
+    whole[5:15, 3:13] = True
+    for seen_pixels, ignored in ((9, True), (10, False)):
+        seen = np.zeros_like(whole)
+        seen[5, 3 : 3 + seen_pixels] = True
+        shape = Silhouette(whole, (3, 5, 10, 10), 100)
+        n = len(draw.objects)
+        view = LabelledView({}, np.zeros((1, 20, 20), np.uint16), (shape,) * n, (seen,) * n, 1.0, 16.0)
+        entry = bop.coco_annotations(draw, 0, view)[0]
+        assert entry["ignore"] is ignored
+        assert entry["bbox"] == [3, 5, 10, 10]
 
 
 def test_models_are_the_parts_in_millimetres(small_dataset: Path):
