@@ -24,11 +24,18 @@ FORMAT = 1
 DIGEST_BYTES = 8
 """Length of a case's name [bytes]. Choice: among a million cases two share a name with a chance of 3e-8."""
 
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
+"""Errors that every other case would meet as well."""
+
 PARTIAL_PREFIX = ".partial-"
 """Start of the name of a folder that is still being written."""
 
 PROGRESS = "captures"
 """The one sub-folder whose files outlive an interrupted process: each is complete in itself, so a run can go on."""
+
+
+class FutileError(InputError):
+    """What every other case of the same command would fail of as well, so that none need be tried."""
 
 
 def canonical_json(config: BaseModel) -> str:
@@ -79,7 +86,7 @@ def writing(out: Path, digest: str) -> Iterator[Path]:
             yield partial
             flush_tree(partial)
             os.rename(partial, out / digest)
-            _flush(out)
+            flush(out)
         except BaseException:
             _keep_progress_only(partial)
             if not _has_progress(partial):
@@ -96,6 +103,7 @@ def write_atomically(path: Path, data: bytes) -> None:
             file.flush()
             os.fsync(file.fileno())
         os.replace(temporary, path)
+        flush(path.parent)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
@@ -104,11 +112,12 @@ def write_atomically(path: Path, data: bytes) -> None:
 def flush_tree(folder: Path) -> None:
     """fsync every file and folder below `folder`, and itself."""
     for path in sorted(folder.rglob("*")):
-        _flush(path)
-    _flush(folder)
+        flush(path)
+    flush(folder)
 
 
-def _flush(path: Path) -> None:
+def flush(path: Path) -> None:
+    """fsync a file, or a folder so that a rename in it is on disk."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)
@@ -173,23 +182,24 @@ def _clear_abandoned(out: Path, except_for: str) -> None:
 REASONS = {
     errno.ENOSPC: "the disk is full; free some space",
     errno.EDQUOT: "the disk quota is used up; free some space",
-    errno.EROFS: "the file system is read-only; choose another --out",
-    errno.EACCES: "no permission to write there; choose another --out",
-    errno.EPERM: "no permission to write there; choose another --out",
-    errno.ENOTDIR: "a part of this path is a file, not a folder; choose another --out",
-    errno.EEXIST: "this is a file, not a folder; choose another --out",
+    errno.EROFS: "the file system is read-only; choose another folder",
+    errno.EACCES: "no permission to write there; choose another folder",
+    errno.EPERM: "no permission to write there; choose another folder",
+    errno.ENOTDIR: "a part of this path is a file, not a folder; choose another folder",
+    errno.EEXIST: "this is a file, not a folder; choose another folder",
     errno.ENAMETOOLONG: "the path is too long; choose a shorter --out",
 }
 
 
 @contextlib.contextmanager
 def output_errors(out: Path) -> Iterator[None]:
-    """Turn the system errors that a person can mend into one line."""
+    """Turn the system errors that a person can mend into one line; FutileError for those that every case would meet."""
     try:
         yield
     except OSError as error:
         elsewhere = error.filename is not None and not Path(os.fsdecode(error.filename)).is_relative_to(out)
         if out.is_dir() and (elsewhere or error.errno not in REASONS):
             raise
-        reason = REASONS.get(error.errno or 0, f"{error.strerror or error}; choose another --out")
-        raise InputError(f"{out}: cannot write the output folder: {reason}") from error
+        reason = REASONS.get(error.errno or 0, f"{error.strerror or error}; choose another folder")
+        kind = FutileError if error.errno in FULL else InputError
+        raise kind(f"{out}: cannot write the output folder: {reason}") from error

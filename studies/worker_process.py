@@ -16,12 +16,24 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from typing import Any
 
+from studies.cases import FutileError
+
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 """Read by the numerical libraries when they are loaded."""
 GRACE_S = 5.0
 """Time that a stopped worker gets to put its work away [s]. Choice: longer than any one rendering."""
 
 _SPAWN = get_context("spawn")  # a fork would copy the renderer's threads in mid-flight
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Why a call failed."""
+
+    reason: str
+    """One line."""
+    futile: bool = False
+    """Whether all other calls would fail of the same."""
 
 
 @dataclass
@@ -53,14 +65,14 @@ class Worker:
         with contextlib.suppress(OSError):  # it died between two calls; `outcome` finds out
             self.connection.send_bytes(pickle.dumps((work, argument)))
 
-    def outcome(self) -> str | None:
-        """Why the last call failed, in one line; None if it did not. Waits for its end."""
+    def outcome(self) -> Fault | None:
+        """Why the last call failed; None if it did not. Waits for its end."""
         try:
             return self.connection.recv()
         except (EOFError, OSError):
             self.dead = True
             self.process.join()
-            return _death(self.process.exitcode)
+            return Fault(_death(self.process.exitcode))
 
     def stop(self) -> None:
         """Ask the process to put its work away and go."""
@@ -106,13 +118,18 @@ def _make(call: bytes) -> None:
     work(argument)
 
 
-def _attempt(call: Callable[[], None]) -> str | None:
-    """What went wrong, in one line; None if nothing did."""
+def _attempt(call: Callable[[], None]) -> Fault | None:
+    """What went wrong; None if nothing did."""
     try:
         call()
     except Exception as error:
-        return " ".join(f"{type(error).__name__}: {error}".split())
+        return Fault(one_line(error), isinstance(error, FutileError))
     return None
+
+
+def one_line(error: BaseException) -> str:
+    """An exception's type and message without line breaks."""
+    return " ".join(f"{type(error).__name__}: {error}".split())
 
 
 def _end_with_parent(lifeline: Connection) -> None:

@@ -50,13 +50,15 @@ def run_jobs(
     workers: int,
     prepare: Callable[[int], None] | None = None,
     already_done: int = 0,
+    tell: Callable[[Failure], None] = lambda _: None,
 ) -> list[Failure]:
     """Do all jobs, stage after stage, on this many processes; returns those that were given up.
 
     prepare: called first in every worker with the number of threads that it may use.
     already_done: jobs of an earlier run that the display counts as finished.
+    tell: called with each job as soon as it is given up.
     """
-    pool = _Pool(workers, prepare)
+    pool = _Pool(workers, prepare, tell)
     failures: list[Failure] = []
     with progress_bar() as progress:
         task = progress.add_task("starting", total=already_done + sum(map(len, stages)), completed=already_done)
@@ -102,8 +104,9 @@ def limit_renderer(threads: int) -> None:
 class _Pool:
     """Workers that are started when they are needed and replaced when they die or have done enough."""
 
-    def __init__(self, size: int, prepare: Callable[[int], None] | None) -> None:
-        self._size, self._prepare = size, prepare
+    def __init__(self, size: int, prepare: Callable[[int], None] | None, tell: Callable[[Failure], None]) -> None:
+        self._size, self._prepare, self._tell = size, prepare, tell
+        self._futile: str | None = None  # why no further job need be tried
         self._idle: list[Worker] = []
         self._busy: dict[Any, tuple[Worker, Job, int]] = {}  # by connection: worker, its job, how often it was begun
 
@@ -111,19 +114,30 @@ class _Pool:
         """Do one stage."""
         waiting = deque((job, 1) for job in jobs)
         failures: list[Failure] = []
+
+        def give_up(job: Job, reason: str) -> None:
+            failures.append(Failure(job.name, reason))
+            self._tell(failures[-1])
+            show(job.name, True)
+
         while waiting or self._busy:
+            if waiting and self._futile:
+                give_up(waiting.popleft()[0], self._futile)
+                continue
             while waiting and len(self._busy) < self._size:
                 job, tries = waiting.popleft()
                 show(job.name, False)
                 self._begin(job, tries)
             for ready in connection.wait(list(self._busy)):
                 worker, job, tries = self._busy.pop(ready)
-                reason = worker.outcome()
-                if reason is not None and tries < MOST_TRIES:
-                    waiting.append((job, tries + 1))
-                else:
-                    failures += [] if reason is None else [Failure(job.name, reason)]
+                fault = worker.outcome()
+                if fault is None:
                     show(job.name, True)
+                elif fault.futile or tries >= MOST_TRIES:
+                    self._futile = fault.reason if fault.futile else self._futile
+                    give_up(job, fault.reason)
+                else:
+                    waiting.append((job, tries + 1))
                 self._keep_or_end(worker)
         return failures
 

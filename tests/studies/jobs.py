@@ -1,11 +1,12 @@
 """What the workers of the tests do. They are given a folder and leave files there, as cases do."""
 
+import errno
 import os
 import signal
 import time
 from pathlib import Path
 
-from studies.cases import writing
+from studies.cases import output_errors, writing
 
 
 def note(path: Path) -> None:
@@ -54,6 +55,14 @@ def complain(path: Path) -> None:
     with path.open("a") as file:
         file.write("x")
     raise ValueError("no such\nthing")
+
+
+def meet_a_full_disk(path: Path) -> None:
+    """Fail as every write to a full disk does, and count."""
+    with path.open("a") as file:
+        file.write("x")
+    with output_errors(path.parent):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def linger_in_a_case(out: Path) -> None:

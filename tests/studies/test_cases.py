@@ -142,14 +142,14 @@ def test_output_that_is_a_file_is_refused(tmp_path: Path):
     file = tmp_path / "taken"
     file.write_text("mine")
     for out in (file, file / "below"):
-        with pytest.raises(InputError, match=r"taken.*not a folder; choose another --out"):
+        with pytest.raises(InputError, match=r"taken.*not a folder; choose another folder"):
             prepare_output(out)
     assert file.read_text() == "mine"
 
 
 def test_output_that_cannot_be_written_is_refused():
     """/proc takes no folders, whoever asks: even root, for whom permission bits do not count."""
-    with pytest.raises(InputError, match=r"/proc/franbv: cannot write the output folder: .*choose another --out"):
+    with pytest.raises(InputError, match=r"/proc/franbv: cannot write the output folder: .*choose another folder"):
         prepare_output(Path("/proc/franbv"))
 
 

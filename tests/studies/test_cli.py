@@ -168,7 +168,7 @@ def test_bad_output_folders(capsys: pytest.CaptureFixture[str], tmp_path: Path):
     for out in (taken, taken / "below", Path("/proc/franbv")):
         line = _one_line(capsys, "reconstruct", "--part", "A", "--out", str(out))
         assert str(out) in line
-        assert "choose another --out" in line
+        assert "choose another folder" in line
 
 
 def test_unknown_key_in_a_file(capsys: pytest.CaptureFixture[str], tmp_path: Path):

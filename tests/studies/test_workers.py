@@ -70,6 +70,18 @@ def test_an_exception_is_reported_in_one_line(tmp_path: Path):
     assert len(set(_pids(tmp_path))) == 1
 
 
+def test_what_every_job_would_fail_of_stops_them_all(tmp_path: Path):
+    """A full disk met by the first of four jobs: tried once, told at once, the others given up of it unbegun."""
+    told: list[Failure] = []
+    work = [Job("full", jobs.meet_a_full_disk, tmp_path / "count"), *_jobs(jobs.note, tmp_path, 3)]
+    failures = run_jobs([work, _jobs(jobs.note, tmp_path, 1)], 1, tell=told.append)
+    assert [failure.name for failure in failures] == ["full", "job 0", "job 1", "job 2", "job 0"]
+    assert {failure.reason for failure in failures} == {failures[0].reason}
+    assert "the disk is full" in failures[0].reason
+    assert told == failures
+    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("count", "x")]
+
+
 def test_workers_are_replaced_before_they_grow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """With two jobs a worker, five jobs take three processes."""
     monkeypatch.setattr(workers, "MOST_JOBS", 2)
