@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, SupportsIndex
 
 import cv2
 import numpy as np
@@ -36,7 +36,7 @@ class Dataset(Sequence["View"]):
             self.info: dict[str, Any] = read_json(self.root / DATASET)
             self._keys = [
                 (folder, number)
-                for folder in sorted(path for path in (self.root / SPLIT).glob("*") if path.is_dir())
+                for folder in sorted(path for path in (self.root / SPLIT).glob("*") if _is_scene(path))
                 for number in sorted(map(int, read_json(folder / "scene_camera.json")))
             ]
         except (OSError, ValueError, KeyError) as error:
@@ -56,13 +56,22 @@ class Dataset(Sequence["View"]):
         """Number of views."""
         return len(self._keys)
 
-    def __getitem__(self, index: int) -> "View":  # type: ignore[override]  # slices would hide what is read
-        """One view."""
+    def __getitem__(self, index: SupportsIndex | slice) -> "View":  # type: ignore[override]  # slices would hide what is read
+        """One view; TypeError for a slice."""
+        if isinstance(index, slice):
+            raise TypeError("a dataset gives one view at a time; write [dataset[k] for k in range(...)]")
         return View(*self._keys[index])
 
     def __iter__(self) -> Iterator["View"]:
         """All views in order."""
         return (View(*key) for key in self._keys)
+
+
+def _is_scene(path: Path) -> bool:
+    """Whether this is a folder; ValueError for a link, which may lead anywhere."""
+    if path.is_symlink():
+        raise ValueError(f"{path}: is a link, not a scene's folder")
+    return path.is_dir()
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """The reader gives SI units and NaN for nothing, and what it gives fits together."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -44,6 +45,21 @@ def test_true_depth_and_pose_put_the_table_at_height_zero(small_dataset: Path):
     top = points[np.abs(points[:, 2]) < 0.01]
     assert len(top) > 0.9 * len(points)  # the rest is the table's edge
     assert np.abs(top[:, 2]).max() < 2e-4  # true depth is stored to 0.05 mm
+
+
+def test_a_slice_is_refused(small_dataset: Path):
+    """Rather than giving something that is no view."""
+    with pytest.raises(TypeError, match="one view at a time"):
+        studies.dataset.open(small_dataset)[0:2]  # type: ignore[index]
+
+
+def test_a_linked_scene_is_refused(small_dataset: Path, tmp_path: Path):
+    """It may lead anywhere."""
+    copy = Path(shutil.copytree(small_dataset, tmp_path / "copy"))
+    (copy / "train/000001").rename(tmp_path / "elsewhere")
+    (copy / "train/000001").symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(InputError, match="000001: is a link"):
+        studies.dataset.open(copy)
 
 
 def test_there_is_no_such_layer(small_dataset: Path):
