@@ -4,14 +4,14 @@ import contextlib
 import errno
 import json
 import os
+import secrets
 import shutil
-import socket
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from materials.input_error import InputError
-from studies.cases import file_digest, flush_tree, output_errors
+from studies.cases import file_digest, flush, flush_tree, output_errors
 
 SPLIT = "train"
 """BOP's name for what may be trained on."""
@@ -42,11 +42,11 @@ def read_json(path: Path) -> Any:
 def bounded_bytes(path: Path) -> bytes:
     """A regular file's bytes, if it is no larger than LARGEST_FILE."""
     if path.is_symlink() or not path.is_file():
-        raise ValueError("is not a regular file")
+        raise ValueError(f"{path}: is missing, or no regular file")
     with path.open("rb") as file:
         data = file.read(LARGEST_FILE + 1)
     if len(data) > LARGEST_FILE:
-        raise ValueError(f"is larger than {LARGEST_FILE >> 20} MiB")
+        raise ValueError(f"{path}: is larger than {LARGEST_FILE >> 20} MiB")
     return data
 
 
@@ -60,12 +60,11 @@ def listed_files(folder: Path) -> dict[str, list]:
 def written_whole(root: Path, target: Path) -> Iterator[Path]:
     """A folder to fill; on leaving it is flushed to disk and renamed to `target`.
 
-    Its name is this process's own, so that workers on many machines need no lock. If another process was faster its
-    folder stays: both hold the same bytes.
+    Its name is used once, so that workers on many machines need no lock. If another process was faster its folder
+    stays: both hold the same bytes.
     """
-    partial = root / WORK / f"{target.name}-{socket.gethostname()}-{os.getpid()}"
+    partial = root / WORK / f"{target.name}-{secrets.token_hex(8)}"
     with output_errors(root):
-        shutil.rmtree(partial, ignore_errors=True)
         partial.mkdir(parents=True)
         try:
             yield partial
@@ -76,18 +75,24 @@ def written_whole(root: Path, target: Path) -> Iterator[Path]:
             except OSError as error:
                 if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
                     raise
-            flush_folder(target.parent)
+            flush(target.parent)
         finally:
             shutil.rmtree(partial, ignore_errors=True)
 
 
-def flush_folder(folder: Path) -> None:
-    """fsync a folder, so that a rename in it is on disk."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
+def removed_at_once(root: Path, path: Path) -> None:
+    """Take a scene's folder, or whatever is in its place, away whole, then delete it.
+
+    A process that still fills it finds it gone and fails; deleted file by file it could be filled on and be installed
+    without what it had lost.
+    """
+    gone = root / WORK / f"gone-{secrets.token_hex(8)}"
+    with contextlib.suppress(FileNotFoundError):  # it was finished or removed meanwhile
+        os.rename(path, gone)
+    if gone.is_dir() and not gone.is_symlink():
+        shutil.rmtree(gone, ignore_errors=True)
+    else:
+        gone.unlink(missing_ok=True)
 
 
 def existing_dataset(path: Path) -> Path:

@@ -60,7 +60,7 @@ def write_head(root: Path, config: DatasetConfig, pool: Sequence[PoolObject]) ->
     )
     (root / MODELS).mkdir(exist_ok=True)
     for name, data in files.items():
-        if not (root / name).exists():
+        if not (root / name).is_file() or (root / name).read_bytes() != data:
             write_atomically(root / name, data)
     if not path.exists():  # last: a folder with it has the rest
         write_atomically(path, wanted)

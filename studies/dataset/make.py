@@ -5,7 +5,7 @@ import fcntl
 import os
 import shutil
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -18,13 +18,15 @@ from studies.command_line import parse
 from studies.config import validated
 from studies.console import say, say_json, warn
 from studies.dataset.card import write_card
-from studies.dataset.cluster import run_on_cluster
+from studies.dataset.cluster import Cluster, connected
 from studies.dataset.config import DatasetConfig, load_dataset_config
-from studies.dataset.folders import MODELS, SPLIT, WORK, read_json, scene_name
+from studies.dataset.existing import agreed_maker, scene_makers, sound_scenes
+from studies.dataset.folders import MODELS, SPLIT, WORK, read_json, removed_at_once, scene_name
 from studies.dataset.head import dataset_digest, write_head
 from studies.dataset.index import scene_folders, write_index
 from studies.dataset.objects import object_pool
-from studies.dataset.scene_case import SceneTask, make_scene
+from studies.dataset.scene_case import SceneTask, make_scene, maker
+from studies.single_case import versions
 from studies.workers import Failure, Job, limit_renderer, run_jobs, worker_count
 
 PROGRAM = "franbv dataset make"
@@ -65,18 +67,22 @@ def run(args: list[str]) -> int:
     for notice in (notice for thing in pool for notice in thing.notices):
         warn(f"{PROGRAM}: {notice}")
     root = command.dir.resolve()
-    prepare_output(root)
-    with _alone(root), output_errors(root):
-        clear_debris(root)
-        write_head(root, config, pool)
-        failures, made = make_missing(root, config, workers, command.scheduler, command.resource)
-        for line in failure_lines(failures):
-            warn(f"{PROGRAM}: {line}")
-        figures = summary(root, made, failures, config, time.perf_counter() - began)
-        if not failures:
-            write_index(root, scene_folders(root))
-            write_card(root)
-            shutil.rmtree(root / WORK, ignore_errors=True)
+    scheduler = connected(command.scheduler, command.resource) if command.scheduler else contextlib.nullcontext()
+    with scheduler as cluster:  # before anything is written
+        prepare_output(root)
+        with _alone(root), output_errors(root):
+            clear_debris(root)
+            write_head(root, config, pool)
+            try:
+                failures, made = make_missing(root, config, workers, cluster)
+            finally:
+                with contextlib.suppress(OSError):  # unless something in it is worth keeping
+                    (root / WORK).rmdir()
+            figures = summary(root, made, failures, config, time.perf_counter() - began)
+            if not failures:
+                write_index(root, scene_folders(root))
+                write_card(root)
+                shutil.rmtree(root / WORK, ignore_errors=True)
     say(sentence(root, figures))
     if command.json:
         say_json(figures)
@@ -84,22 +90,47 @@ def run(args: list[str]) -> int:
 
 
 def make_missing(
-    root: Path, config: DatasetConfig, workers: int, scheduler: str | None, resource: str | None
+    root: Path, config: DatasetConfig, workers: int, cluster: Cluster | None
 ) -> tuple[list[Failure], list[int]]:
-    """Make the scenes that are not there yet; returns those that were given up, and the numbers of those tried."""
-    there = set(scene_folders(root))
-    missing = [number for number in range(config.scenes) if scene_name(number) not in there]
-    work = root / WORK
-    for leftover in work.glob("*-*"):  # of processes that were killed
-        shutil.rmtree(leftover, ignore_errors=True)
-    work.mkdir(exist_ok=True)
-    (root / SPLIT).mkdir(exist_ok=True)
+    """Make the scenes that are not there whole; returns those that were given up, and the numbers of those tried."""
+    for folder in (root / WORK, root / SPLIT):
+        folder.mkdir(exist_ok=True)
+    for leftover in list((root / WORK).glob("*-*")):  # of processes that were killed, and of some that may live on
+        removed_at_once(root, leftover)
     digest = dataset_digest(config)
-    tasks = [SceneTask(root, config, digest, number) for number in missing]
+    sound = sound_scenes(root, config, digest)
+    missing = sorted(set(range(config.scenes)) - set(sound))
+    if not missing:
+        return [], []
+    made_by = agreed_maker(scene_makers(root, sound))
+    there = [] if made_by is None else [(str(root), made_by)]
+    if cluster:
+        cluster.check_folder(root / WORK)
+        made_by = agreed_maker([*there, *cluster.answers(maker).items()])
+    elif made_by:
+        agreed_maker([*there, ("this machine", {**made_by, "versions": versions()})])
+    tasks = [SceneTask(root, config, digest, number, made_by) for number in missing]
     jobs = [Job(task.title, make_scene, task) for task in tasks]
-    if scheduler:
-        return (run_on_cluster(jobs, scheduler, resource, root) if jobs else []), missing
-    return run_jobs([jobs], workers, limit_renderer, already_done=config.scenes - len(missing)), missing
+    tell = _reasons_once()
+    failures = cluster.run(jobs, tell) if cluster else run_jobs([jobs], workers, limit_renderer, len(sound), tell)
+    known, arrived = {failure.name for failure in failures}, set(scene_folders(root))
+    for task in tasks:
+        if scene_name(task.scene) not in arrived and task.title not in known:
+            failures.append(Failure(task.title, "was made, but did not arrive in this folder"))
+            tell(failures[-1])
+    return failures, missing
+
+
+def _reasons_once() -> Callable[[Failure], None]:
+    """Says why a job was given up as soon as it is, once for each reason: a full disk fails every scene alike."""
+    told: set[str] = set()
+
+    def tell(failure: Failure) -> None:
+        if failure.reason not in told:
+            told.add(failure.reason)
+            warn(f"{PROGRAM}: {failure.name}: {failure.reason}")
+
+    return tell
 
 
 def clear_debris(root: Path) -> None:
@@ -109,30 +140,22 @@ def clear_debris(root: Path) -> None:
             path.unlink(missing_ok=True)
 
 
-def failure_lines(failures: Sequence[Failure]) -> Iterator[str]:
-    """One line for each reason: a full disk fails every scene alike."""
-    reasons: dict[str, list[str]] = {}
-    for failure in failures:
-        reasons.setdefault(failure.reason, []).append(failure.name)
-    for reason, names in reasons.items():
-        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
-        yield f"{names[0]}{more}: {reason}"
-
-
 def summary(
     root: Path, made: list[int], failures: list[Failure], config: DatasetConfig, wall_s: float
 ) -> dict[str, Any]:
-    """The figures of this command."""
+    """The figures of this command; `views` and `failed` count views and together make the dataset."""
     times = [read_json(path) for number in made if (path := root / WORK / f"{scene_name(number)}.json").exists()]
     views = sum(entry["views"] for entry in times)
     stages: dict[str, list[float]] = {}
     for entry in times:
         for name, spent in entry["stages"].items():
             stages[name] = [a + b for a, b in zip(stages.get(name, [0.0, 0.0]), spent, strict=True)]
-    failed = {failure.name for failure in failures}
+    there = set(scene_folders(root))
+    in_folder = sum(config.views_of(number) for number in range(config.scenes) if scene_name(number) in there)
     return {
-        "views": config.views - sum(config.views_of(n) for n in made if f"scene {scene_name(n)}" in failed),
-        "failed": len(failures),
+        "views": in_folder,
+        "failed": config.views - in_folder,
+        "failed_scenes": len(failures),
         "views_per_s": views / wall_s,
         "peak_rss_gb": max((entry["peak_rss"] for entry in times), default=0) / 1e9,
         "wall_s": wall_s,
@@ -149,7 +172,8 @@ def sentence(root: Path, figures: dict[str, Any]) -> str:
         spent = sorted(figures["cpu_s_per_view"].items(), key=lambda item: -item[1])
         lines.append("Processor time a view [s]: " + ", ".join(f"{name} {seconds:.2f}" for name, seconds in spent))
     if figures["failed"]:
-        lines.append(f"{figures['failed']} scenes failed; the same command tries them again.")
+        scenes = "1 scene" if figures["failed_scenes"] == 1 else f"{figures['failed_scenes']} scenes"
+        lines.append(f"{scenes} with {figures['failed']} views failed; the same command tries again.")
     return "\n".join(lines)
 
 

@@ -18,11 +18,12 @@ from render.d435i import SimulatedD435i
 from render.matte_twin import twin_camera
 from render.mitsuba_scene import load_scene
 from render.radiance import Sampling
-from studies.cases import output_errors
+from studies.cases import FutileError, output_errors
 from studies.dataset import bop
 from studies.dataset.built_scene import BuiltScene, build_scene, sensor_settings
 from studies.dataset.config import DatasetConfig
 from studies.dataset.draw import SceneDraw, draw_scene
+from studies.dataset.existing import Maker, difference
 from studies.dataset.folders import (
     MANIFEST,
     SCENE,
@@ -36,6 +37,7 @@ from studies.dataset.folders import (
 )  # fmt: skip
 from studies.dataset.layers import FRAMES, MASKS
 from studies.dataset.objects import object_pool
+from studies.dataset.scene_files import scene_files
 from studies.dataset.statistics import counts
 from studies.dataset.view import Cameras, LabelledView, labelled_view
 from studies.single_case import versions
@@ -56,6 +58,8 @@ class SceneTask:
     digest: str
     """Of the dataset's configuration."""
     scene: int
+    made_by: Maker | None = None
+    """What the others are made by; None = nobody knows yet."""
 
     @property
     def title(self) -> str:
@@ -86,6 +90,8 @@ def make_scene(task: SceneTask) -> None:
     target = task.root / SPLIT / scene_name(task.scene)
     if target.is_dir():
         return
+    if task.made_by and (what := difference(task.made_by, maker())):
+        raise FutileError(f"{task.root} has {what} of this worker; use the same everywhere, or another folder")
     clock = Clock()
     with clock.stage("drawing and placing"):
         pool = object_pool(task.config)
@@ -97,6 +103,8 @@ def make_scene(task: SceneTask) -> None:
         write_scene(folder, task, draw, cameras, clock)
         with clock.stage("hashing"):
             files = listed_files(folder)
+            if files.keys() != scene_files(task.config, len(draw.views), len(draw.objects)):
+                raise RuntimeError(f"{folder}: another process has taken files away")
             (folder / MANIFEST).write_bytes(compact_json(manifest(task, draw, files)))
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
     times = {"views": len(draw.views), "peak_rss": peak, "stages": clock.seconds}
@@ -192,7 +200,11 @@ def manifest(task: SceneTask, draw: SceneDraw, files: dict[str, list]) -> dict[s
         "views": len(draw.views),
         "seed": task.config.seed,
         "noise_seed": draw.noise_seed,
-        "renderer": backend.mitsuba_variant(),
-        "versions": versions(),
+        **maker(),
         "files": files,
     }
+
+
+def maker() -> Maker:
+    """What makes scenes in this process, to the versions that decide their bytes."""
+    return {"renderer": backend.mitsuba_variant(), "versions": versions()}

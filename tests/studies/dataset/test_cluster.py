@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.dataset.cluster import run_on_cluster
+from studies.dataset.cluster import connected
 from studies.workers import Failure, Job
 from tests.studies import jobs
 
@@ -17,8 +17,11 @@ def test_jobs_fail_alone(tmp_path: Path):
 
     work = [Job(f"job {k}", jobs.note, tmp_path / str(k)) for k in range(3)]
     bad, shaky = Job("bad", jobs.complain, tmp_path / "bad"), Job("shaky", jobs.abort_once, tmp_path / "shaky")
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", resources={"GPU": 1}) as cluster:
-        failures = run_on_cluster([*work, bad, shaky], cluster.scheduler_address, "GPU", tmp_path)
+    with (
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", resources={"GPU": 1}) as cluster,
+        connected(cluster.scheduler_address, "GPU") as crew,
+    ):
+        failures = crew.run([*work, bad, shaky])
     assert failures == [Failure("bad", "ValueError: no such thing")]
     assert (tmp_path / "bad").read_text() == "xx"
     assert {path.name for path in tmp_path.iterdir()} == {"0", "1", "2", "bad", "shaky", "shaky.tried"}

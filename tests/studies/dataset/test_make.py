@@ -13,11 +13,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from materials.input_error import InputError
 from studies.cli import main
 from studies.dataset import folders, make
 from studies.dataset.config import load_dataset_config
 from studies.dataset.draw import draw_scene
+from studies.dataset.existing import agreed_maker
+from studies.dataset.head import dataset_digest
 from studies.dataset.objects import object_pool
+from studies.dataset.scene_files import scene_fault
 from tests.conftest import ROOT
 
 
@@ -33,6 +37,90 @@ def test_the_same_command_finds_it_done(small_config: Path, small_dataset: Path,
     figures = json.loads(capsys.readouterr().out.splitlines()[-1])
     assert (figures["views"], figures["failed"], figures["made_now"]) == (4, 0, 0)
     assert contents(small_dataset) == before
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("gray", "gray/000000.png is missing"), ("statistics.json", "statistics.json is missing"), ("manifest.json", "")],
+)
+def test_a_scene_that_lost_something_is_not_taken_for_whole(
+    small_config: Path, small_dataset: Path, tmp_path: Path, name: str, words: str
+):
+    """A folder of images, a text, the manifest: the scene counts as missing, and the reason is named."""
+    copy = Path(shutil.copytree(small_dataset, tmp_path / "copy"))
+    lost = copy / "train/000001" / name
+    shutil.rmtree(lost) if lost.is_dir() else lost.unlink()
+    config = load_dataset_config(str(small_config))
+    digest = dataset_digest(config)
+    assert scene_fault(small_dataset / "train/000001", config, digest, 1) is None
+    fault = scene_fault(copy / "train/000001", config, digest, 1)
+    assert fault is not None
+    assert words in fault
+
+
+def test_a_scene_whose_manifest_lists_too_little_is_not_whole(small_config: Path, small_dataset: Path, tmp_path: Path):
+    """Files gone before they were listed: the manifest agrees with what is left, the configuration does not."""
+    copy = Path(shutil.copytree(small_dataset / "train/000000", tmp_path / "copy"))
+    shutil.rmtree(copy / "gray")
+    manifest = json.loads((copy / "manifest.json").read_text())
+    manifest["files"] = {name: entry for name, entry in manifest["files"].items() if not name.startswith("gray/")}
+    (copy / "manifest.json").write_text(json.dumps(manifest))
+    config = load_dataset_config(str(small_config))
+    assert scene_fault(copy, config, dataset_digest(config), 0) == "gray/000000.png is missing"
+
+
+def test_a_writer_whose_folder_is_cleared_away_installs_nothing(tmp_path: Path):
+    """Cleared in the middle of its files, as by a `make` that was started while a worker of the last one lives on."""
+    (tmp_path / ".work").mkdir()
+
+    def write() -> None:
+        with folders.written_whole(tmp_path, tmp_path / "train/000000") as folder:
+            for number in range(6):
+                (folder / f"layer{number}").mkdir()
+                (folder / f"layer{number}/000000.png").write_bytes(b"x")
+                if number == 3:
+                    folders.removed_at_once(tmp_path, folder)
+
+    with pytest.raises(FileNotFoundError):
+        write()
+    assert not (tmp_path / "train/000000").exists()
+    assert list((tmp_path / ".work").iterdir()) == []
+
+
+def test_a_folder_that_is_no_scene_of_the_dataset_is_refused(
+    small_config: Path, small_dataset: Path, tmp_path: Path, capsys: pytest.CaptureFixture
+):
+    """It would be counted in index and card."""
+    copy = Path(shutil.copytree(small_dataset, tmp_path / "copy"))
+    shutil.copytree(copy / "train/000000", copy / "train/000007")
+    assert main(["dataset", "make", str(small_config), str(copy)]) == 2
+    assert "000007: is no scene of this dataset" in capsys.readouterr().err
+    assert not (copy / ".work").exists()
+
+
+def test_scenes_of_other_versions_are_not_added_to(
+    small_config: Path, small_dataset: Path, tmp_path: Path, capsys: pytest.CaptureFixture
+):
+    """A dataset half made with another numpy: exit status 2, both versions named, nothing changed."""
+    copy = Path(shutil.copytree(small_dataset, tmp_path / "copy"))
+    shutil.rmtree(copy / "train/000001")
+    path = copy / "train/000000/manifest.json"
+    manifest = json.loads(path.read_text())
+    manifest["versions"]["numpy"] = "1.0"
+    path.write_text(json.dumps(manifest))
+    before = contents(copy)
+    assert main(["dataset", "make", str(small_config), str(copy), "--workers", "1"]) == 2
+    assert f"has numpy 1.0, not the {np.__version__} of this machine" in capsys.readouterr().err
+    assert contents(copy) == before
+
+
+def test_makers_must_agree():
+    """Nobody, one, two alike, and a second one with another renderer."""
+    cpu, gpu = ({"renderer": name, "versions": {"numpy": "2.0"}} for name in ("llvm", "cuda"))
+    assert agreed_maker([]) is None
+    assert agreed_maker([("a", cpu), ("b", dict(cpu))]) == cpu
+    with pytest.raises(InputError, match="a has renderer llvm, not the cuda of c"):
+        agreed_maker([("a", cpu), ("b", cpu), ("c", gpu)])
 
 
 def test_a_scene_is_made_again_to_the_byte(small_config: Path, small_dataset: Path, tmp_path: Path):
@@ -218,8 +306,11 @@ def test_two_processes_do_not_make_one_dataset(small_config: Path, small_dataset
     assert "another process makes this dataset" in capsys.readouterr().err
 
 
-def test_a_scheduler_that_is_not_there_is_one_line(small_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
-    """Exit status 2 within seconds."""
-    command = ["dataset", "make", str(small_config), str(tmp_path / "out"), "--scheduler", "tcp://127.0.0.1:1"]
-    assert main(command) == 2
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nonsense", "foo://bar:1"])
+def test_a_scheduler_that_is_not_there_is_one_line(
+    small_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture, address: str
+):
+    """Exit status 2 within seconds, and nothing is written."""
+    assert main(["dataset", "make", str(small_config), str(tmp_path / "out"), "--scheduler", address]) == 2
     assert "no scheduler answers there" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
