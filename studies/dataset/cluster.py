@@ -66,7 +66,7 @@ class Cluster:
             worker: self.client.submit(_do, _asked, question, pure=False, workers=[worker], resources=self.limits)
             for worker in self.workers
         }
-        with contextlib.suppress(TimeoutError):
+        with self.client.as_current(), contextlib.suppress(TimeoutError):
             wait(list(futures.values()), timeout=ANSWER_S)
         for worker, future in futures.items():
             if future.status == "error":
