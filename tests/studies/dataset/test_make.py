@@ -4,10 +4,6 @@ import errno
 import json
 import os
 import shutil
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +18,6 @@ from studies.dataset.existing import agreed_maker
 from studies.dataset.head import dataset_digest
 from studies.dataset.objects import object_pool
 from studies.dataset.scene_files import scene_fault
-from tests.conftest import ROOT
 
 
 def contents(root: Path) -> dict[str, bytes]:
@@ -154,22 +149,6 @@ def test_dask_workers_make_the_same_bytes(small_config: Path, small_dataset: Pat
         assert main([*command, "--resource", "TPU"]) == 2
         assert main([*command, "--resource", "GPU"]) == 0
     assert contents(tmp_path / "dask") == contents(small_dataset)
-
-
-@pytest.mark.slow
-def test_kills_change_no_byte(small_config: Path, small_dataset: Path, tmp_path: Path):
-    """kill -9 to the whole process group at random moments; the last run is left to finish."""
-    root, rng = tmp_path / "killed", np.random.default_rng(0)
-    program = "import sys; from studies.cli import main; sys.exit(main())"
-    command = [sys.executable, "-c", program, "dataset", "make", str(small_config), str(root)]
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
-    for _ in range(10):
-        process = subprocess.Popen([*command, "--workers", "2"], env=environment, start_new_session=True)
-        time.sleep(rng.uniform(1, 12))
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
-    assert subprocess.run([*command, "--workers", "2"], env=environment, check=False).returncode == 0
-    assert contents(root) == contents(small_dataset)
 
 
 def test_a_scene_does_not_depend_on_how_many_there_are(small_config: Path):
