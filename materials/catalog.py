@@ -77,9 +77,13 @@ def metal_names(user: UserMaterials = NO_USER_MATERIALS) -> tuple[str, ...]:
     return (*METALS, *(name for name, entry in user.materials.items() if isinstance(entry, UserMetal)))
 
 
-def finish_names(metal: str | None = None) -> tuple[str, ...]:
-    """Finishes, of one built-in metal or all: a metal without a known oxide cannot be `oxidised`."""
-    bare = metal in METALS and metal not in OXIDE_REFLECTANCE
+def finish_names(metal: str | None = None, user: UserMaterials = NO_USER_MATERIALS) -> tuple[str, ...]:
+    """Finishes, of one metal or all: a metal without a known oxide cannot be `oxidised`."""
+    own = user.materials.get(metal or "")
+    if isinstance(own, UserMetal):
+        bare = own.oxide_reflectance is None
+    else:
+        bare = metal in METALS and metal not in OXIDE_REFLECTANCE
     return tuple(name for name, row in FINISHES.items() if not (bare and row.oxide_share > 0.0))
 
 

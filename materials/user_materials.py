@@ -138,12 +138,15 @@ def load_user_materials(path: Path) -> UserMaterials:
         user = UserMaterials.model_validate(content)
     except ValidationError as error:
         raise InputError(f"{path}: {_first_fault(error)}") from error
-    checked = {name: _checked(path, name, entry) for name, entry in user.materials.items()}
+    checked = {name: checked_entry(path, name, entry) for name, entry in user.materials.items()}
     return UserMaterials(materials=checked)
 
 
-def _checked(path: Path, name: str, entry: UserEntry) -> UserEntry:
-    """The entry with its file name resolved; raises InputError for bad names, numbers and files."""
+def checked_entry(path: Path, name: str, entry: UserEntry) -> UserEntry:
+    """The entry with its file name resolved; raises InputError for bad names, numbers and files.
+
+    path: of the YAML file that it stands in.
+    """
     if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         raise InputError(f"{path}: {name}: bad material name; use lower-case letters, digits and _")
     if name in METALS or name in NON_METALS:

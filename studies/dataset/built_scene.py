@@ -8,6 +8,7 @@ from scipy.spatial.transform import RigidTransform
 
 from materials.catalog import finish_names, material, material_names, metal_names
 from materials.material import Material, RoughConductor, RoughPlastic
+from materials.user_materials import NO_USER_MATERIALS, UserMaterials
 from render.d435i import SensorSettings
 from render.imager_settings import ImagerSettings
 from scenes.build import scene_on_table
@@ -18,11 +19,11 @@ from studies.dataset.draw import SceneDraw
 from studies.dataset.objects import PoolObject
 from studies.dataset.placement import clutter_mesh
 
-MATERIAL_CLASSES = (
+BUILT_IN_CLASSES = (
     *(f"{metal}:{finish}" for metal in metal_names() for finish in finish_names(metal)),
     *material_names()[len(metal_names()) :],
 )
-"""Every metal with every finish, and every non-metal: what the numbers in a material map mean, from 1."""
+"""Every metal with every finish, and every non-metal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +33,8 @@ class BuiltScene:
     scene: Scene
     owner: tuple[int, ...]
     """Of each body: the number of its object in the draw, -1 = clutter, table, room."""
+    user: UserMaterials = NO_USER_MATERIALS
+    """What its materials may be beside the built-in ones."""
 
     def object_scene(self, number: int) -> Scene:
         """One object alone, for its whole silhouette."""
@@ -39,14 +42,14 @@ class BuiltScene:
         return Scene(f"object {number}", bodies, (), 0.0)
 
 
-def build_scene(draw: SceneDraw, pool: Sequence[PoolObject]) -> BuiltScene:
+def build_scene(draw: SceneDraw, pool: Sequence[PoolObject], user: UserMaterials = NO_USER_MATERIALS) -> BuiltScene:
     """The scene that was drawn."""
     by_number = {thing.number: thing for thing in pool}
     bodies: list[Body] = []
     owner: list[int] = []
     for number, thing in enumerate(draw.objects):
         pose = RigidTransform.from_matrix(np.array(thing.T_world_model))
-        whole = None if thing.material == "own" else material(thing.material)
+        whole = None if thing.material == "own" else material(thing.material, user)
         for body in by_number[thing.object_id].bodies:
             made_of = whole or body.material
             bodies.append(replace(body, name=f"{number} {body.name}", mesh=moved(body.mesh, pose), material=made_of))
@@ -54,10 +57,10 @@ def build_scene(draw: SceneDraw, pool: Sequence[PoolObject]) -> BuiltScene:
     for number, thing in enumerate(draw.clutter):
         pose = RigidTransform.from_matrix(np.array(thing.T_world_model))
         mesh = moved(clutter_mesh(thing.shape, thing.size_m), pose)
-        bodies.append(Body(f"clutter {number}", mesh, material(thing.material), is_part=False))
+        bodies.append(Body(f"clutter {number}", mesh, material(thing.material, user), is_part=False))
         owner.append(-1)
-    scene = scene_on_table(f"scene {draw.scene}", tuple(bodies), draw.lamps, material(draw.table), draw.room)
-    return BuiltScene(scene, (*owner, *[-1] * (len(scene.bodies) - len(owner))))
+    scene = scene_on_table(f"scene {draw.scene}", tuple(bodies), draw.lamps, material(draw.table, user), draw.room)
+    return BuiltScene(scene, (*owner, *[-1] * (len(scene.bodies) - len(owner))), user)
 
 
 def sensor_settings(config: DatasetConfig, draw: SceneDraw) -> SensorSettings:
@@ -75,9 +78,17 @@ def sensor_settings(config: DatasetConfig, draw: SceneDraw) -> SensorSettings:
     )
 
 
-def material_class(made_of: Material) -> int:
+def material_classes(user: UserMaterials = NO_USER_MATERIALS) -> tuple[str, ...]:
+    """What the numbers in a material map mean, from 1: the built-in classes, then those of the user's materials."""
+    own_metals = metal_names(user)[len(metal_names()) :]
+    others = (name for name in material_names(user) if name not in material_names() and name not in own_metals)
+    own = (f"{metal}:{finish}" for metal in own_metals for finish in finish_names(metal, user))
+    return (*BUILT_IN_CLASSES, *own, *others)
+
+
+def material_class(made_of: Material, user: UserMaterials = NO_USER_MATERIALS) -> int:
     """Number of a material in a material map."""
-    return MATERIAL_CLASSES.index(made_of.name.partition("@")[0]) + 1
+    return material_classes(user).index(made_of.name.partition("@")[0]) + 1
 
 
 def roughness(made_of: Material) -> tuple[float, float] | None:

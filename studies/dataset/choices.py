@@ -31,7 +31,8 @@ def drawn_material(rng: np.random.Generator, materials: Materials) -> str:
         return pick(rng, materials.non_metals)
     metal = pick(rng, materials.metals)
     # A metal that grows no oxide cannot be oxidised.
-    finish = pick(rng, {name: w for name, w in materials.finishes.items() if name in finish_names(metal)})
+    fitting = finish_names(metal, materials.of_user)
+    finish = pick(rng, {name: weight for name, weight in materials.finishes.items() if name in fitting})
     if materials.roughness == "nominal":
         return f"{metal}:{finish}"
     surface, place = FINISHES[finish], rng.random()

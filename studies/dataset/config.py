@@ -9,6 +9,7 @@ from pydantic import AfterValidator, Field, model_validator
 
 from materials.catalog import finish_names, material_names, metal_names
 from materials.suggestion import suggest
+from materials.user_materials import UserEntry, UserMaterials, checked_entry
 from render.imager_settings import LONGEST_EXPOSURE_US, MOST_LASER_POWER_MW
 from render.rig import FOCAL_LENGTHS_PX
 from scenes.lamps import LIGHTING_NAMES
@@ -101,6 +102,14 @@ class Materials(Config):
     non_metals: Weights
     roughness: Literal["nominal", "range"] = "range"
     """Roughness of a drawn metal: the finish's nominal one, or log-uniform over what real parts show."""
+    user: Annotated[dict[str, UserEntry], Field(max_length=12)] = Field(default={})
+    """Materials of yours by name, which may then stand wherever a material may: entries as `--materials-file` has them
+    below `materials`, their files counted from the configuration's folder (12: a material map counts to 255)."""
+
+    @property
+    def of_user(self) -> UserMaterials:
+        """As the catalogue takes them."""
+        return UserMaterials(materials=self.user)
 
 
 class Surroundings(Config):
@@ -181,9 +190,10 @@ class DatasetConfig(Config):
 
     @model_validator(mode="after")
     def _known(self) -> "DatasetConfig":
-        m, s, metals = self.materials, self.surroundings, metal_names()
-        non_metals = [name for name in material_names() if name not in metals]
-        specs = (*non_metals, *(f"{metal}:{finish}" for metal in metals for finish in finish_names(metal)))
+        m, s, user = self.materials, self.surroundings, self.materials.of_user
+        metals = metal_names(user)
+        non_metals = [name for name in material_names(user) if name not in metals]
+        specs = (*non_metals, *(f"{metal}:{finish}" for metal in metals for finish in finish_names(metal, user)))
         for place, words, known in (
             ("objects.parts", self.objects.parts, PART_NAMES),
             ("objects.arrangement", self.objects.arrangement, get_args(Arrangement)),
@@ -213,12 +223,11 @@ class DatasetConfig(Config):
             if count > 1:
                 raise ValueError(f"objects.cad: {count} files are named {name}; objects go by file name, so rename one")
         for cad in o.cad:
-            part_materials(cad.material)
+            part_materials(cad.material, m.of_user)
         for metal in (name for name, weight in m.metals.items() if weight and m.kind.get("metal")):
-            if not any(m.finishes.get(finish) for finish in finish_names(metal)):
-                raise ValueError(
-                    f"materials.finishes: none of them goes with {metal}; give one of {', '.join(finish_names(metal))}"
-                )
+            fitting = finish_names(metal, m.of_user)
+            if not any(m.finishes.get(finish) for finish in fitting):
+                raise ValueError(f"materials.finishes: none goes with {metal}; give one of {', '.join(fitting)}")
         if p.distance_m[0] * math.sin(math.radians(p.elevation_deg[0])) - p.aim_m < LEAST_HEIGHT:
             raise ValueError(
                 f"poses: from {p.distance_m[0]:g} m at {p.elevation_deg[0]:g} deg, aimed {p.aim_m:g} m too low, the "
@@ -237,9 +246,17 @@ class DatasetConfig(Config):
 
 
 def load_dataset_config(name: str) -> DatasetConfig:
-    """From a YAML file, or `default`; CAD files by absolute path."""
+    """From a YAML file, or `default`; CAD and BSDF files by absolute path."""
     path = DEFAULT if name == "default" else Path(name)
     config = load_config(DatasetConfig, path)
     folder = path.resolve().parent
     cad = tuple(entry.model_copy(update={"file": folder / entry.file}) for entry in config.objects.cad)
-    return config.model_copy(update={"objects": config.objects.model_copy(update={"cad": cad})})
+    user = {name: checked_entry(path, name, entry) for name, entry in config.materials.user.items()}
+    return with_files(config, cad, user)
+
+
+def with_files(config: DatasetConfig, cad: tuple[UserCad, ...], user: dict[str, UserEntry]) -> DatasetConfig:
+    """The configuration with other CAD files and materials of the user's."""
+    objects = config.objects.model_copy(update={"cad": cad})
+    materials = config.materials.model_copy(update={"user": user})
+    return config.model_copy(update={"objects": objects, "materials": materials})

@@ -5,12 +5,13 @@ from pathlib import Path
 from typing import Any
 
 from materials.input_error import InputError
+from materials.user_materials import UserMeasured
 from render.causes import LEGEND, Cause
 from render.rig import d435i_rig
-from studies.cases import canonical_json, case_digest, write_atomically
+from studies.cases import canonical_json, case_digest, file_digest, write_atomically
 from studies.dataset import bop
-from studies.dataset.built_scene import MATERIAL_CLASSES
-from studies.dataset.config import DatasetConfig
+from studies.dataset.built_scene import material_classes
+from studies.dataset.config import DatasetConfig, with_files
 from studies.dataset.folders import CAMERA, DATASET, MODELS, compact_json, read_json
 from studies.dataset.layers import MASKS
 from studies.dataset.layers import layers as layers_of
@@ -21,9 +22,13 @@ COMMAND = "dataset"
 
 
 def recorded(config: DatasetConfig) -> DatasetConfig:
-    """The configuration as the dataset keeps it: CAD files by name."""
+    """The configuration as the dataset keeps it: CAD and BSDF files by name."""
     cad = tuple(entry.model_copy(update={"file": Path(entry.file.name)}) for entry in config.objects.cad)
-    return config.model_copy(update={"objects": config.objects.model_copy(update={"cad": cad})})
+    user = {
+        name: entry.model_copy(update={"file": Path(entry.file.name)}) if isinstance(entry, UserMeasured) else entry
+        for name, entry in config.materials.user.items()
+    }
+    return with_files(config, cad, user)
 
 
 def dataset_digest(config: DatasetConfig) -> str:
@@ -38,7 +43,12 @@ def head(config: DatasetConfig, pool: Sequence[PoolObject]) -> dict[str, Any]:
         "digest": dataset_digest(config),
         "config": recorded(config).model_dump(mode="json"),
         "objects": [{"obj_id": o.number, "name": o.name, "blake2b": o.digest} for o in pool],
-        "materials": list(MATERIAL_CLASSES),
+        "measured": {
+            name: file_digest(entry.file)
+            for name, entry in config.materials.user.items()
+            if isinstance(entry, UserMeasured)
+        },
+        "materials": list(material_classes(config.materials.of_user)),
         "causes": {str(int(cause)): LEGEND[cause].name for cause in Cause if cause is not Cause.UNMEASURED},
         "layers": {layer.folder: layer.meaning for layer in layers_of(config.n_frames)},
         "masks": list(MASKS),
@@ -74,7 +84,9 @@ def _check_same(path: Path, config: DatasetConfig, wanted: bytes) -> None:
     except (ValueError, KeyError, TypeError):
         raise InputError(f"{path}: cannot be read; choose another folder, or remove this one") from None
     if canonical_json(before) == canonical_json(recorded(config)):
-        raise InputError(f"{path}: was begun by another version, or a CAD file has changed; choose another folder")
+        raise InputError(
+            f"{path}: was begun by another version, or with other CAD or BSDF files; choose another folder"
+        )
     old, new = before.model_dump(mode="json"), recorded(config).model_dump(mode="json")
     key = next(name for name in new if old.get(name) != new[name])
     raise InputError(f"{path}: holds another dataset (`{key}` differs); choose another folder, or the same settings")

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
+from materials.user_materials import UserMaterials
 from scenes.part_materials import part_materials
 from scenes.parts import part_bodies
 from scenes.pile import surface_samples
@@ -72,12 +73,15 @@ def _pool(config: DatasetConfig) -> tuple[PoolObject, ...]:
         PoolObject(number, name, weight, _centred(part_bodies(name)))
         for number, (name, weight) in enumerate(sorted(config.objects.parts.items()), start=1)
     ]
-    cad = [_from_file(number, entry) for number, entry in enumerate(config.objects.cad, start=len(parts) + 1)]
+    cad = [
+        _from_file(number, entry, config.materials.of_user)
+        for number, entry in enumerate(config.objects.cad, start=len(parts) + 1)
+    ]
     return (*parts, *cad)
 
 
-def _from_file(number: int, entry: UserCad) -> PoolObject:
-    part = load_user_part(entry.file, entry.units, part_materials(entry.material), entry.up)
+def _from_file(number: int, entry: UserCad, user: UserMaterials) -> PoolObject:
+    part = load_user_part(entry.file, entry.units, part_materials(entry.material, user), entry.up)
     return PoolObject(
         number, entry.file.name, entry.weight, _centred(part.bodies), file_digest(entry.file), part.notices
     )

@@ -97,7 +97,7 @@ def make_scene(task: SceneTask) -> None:
         pool = object_pool(task.config)
         draw = draw_scene(task.config, pool, task.scene)
     with clock.stage("loading the scene"):
-        built = build_scene(draw, pool)
+        built = build_scene(draw, pool, task.config.materials.of_user)
         cameras = scene_cameras(task.config, draw, built)
     with written_whole(task.root, target) as folder:
         write_scene(folder, task, draw, cameras, clock)

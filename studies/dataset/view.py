@@ -108,7 +108,7 @@ def true_images(truth: Truth, built: BuiltScene, pose: RigidTransform) -> dict[s
     """What is there."""
     there, bodies = truth.depth > 0, built.scene.bodies
     classes, rough = np.zeros(NO_BODY + 1, np.uint8), np.full((NO_BODY + 1, 2), NOTHING_16, np.uint16)
-    classes[: len(bodies)] = [material_class(body.material) for body in bodies]
+    classes[: len(bodies)] = [material_class(body.material, built.user) for body in bodies]
     for number, body in enumerate(bodies):
         alphas = roughness(body.material)
         if alphas is not None:

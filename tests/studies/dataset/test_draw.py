@@ -7,9 +7,12 @@ import pytest
 import trimesh
 from scipy.spatial.transform import RigidTransform
 
+from materials.material import Matte, RoughConductor
+from studies.dataset.built_scene import BUILT_IN_CLASSES, build_scene
 from studies.dataset.choices import drawn_material, log_uniform, pick
-from studies.dataset.config import load_dataset_config
+from studies.dataset.config import DatasetConfig, load_dataset_config
 from studies.dataset.draw import CLEARANCE, draw_scene
+from studies.dataset.head import head, recorded
 from studies.dataset.objects import object_pool
 
 DRAWS = 4000
@@ -61,6 +64,45 @@ def test_things_rest_and_the_camera_is_clear_of_them():
             for low, high in boxes:
                 outside = np.linalg.norm(np.maximum(np.maximum(low - eye, eye - high), 0))
                 assert outside >= CLEARANCE - 1e-9
+
+
+def test_materials_of_the_user_are_drawn(small_config: Path, tmp_path: Path):
+    """A metal of theirs without an oxide, a plastic and a grey card are drawn, and built as they are declared."""
+    path = tmp_path / "own.yaml"
+    user = """
+  user:
+    my_steel: {kind: metal, n: 2.91, k: 4.42, valid_nm: [400, 1000], source: ellipsometry}
+    my_cover: {kind: plastic, n: 1.5, alpha: 0.1, reflectance: 0.3, source: integrating sphere}
+    my_card: {kind: matte, reflectance: 0.4, source: grey card}
+surroundings:"""
+    text = small_config.read_text().replace("\nsurroundings:", user)
+    for before, after in (
+        ("{own: 0.3, metal: 0.7}", "{metal: 0.7, non_metal: 0.3}"),
+        ("{brass: 1, iron: 1}", "{my_steel: 1}"),
+        ("{polished: 1, milled: 1}", "{polished: 1, oxidised: 1}"),
+        ("non_metals: {rubber: 1}", "non_metals: {my_cover: 1}"),
+        ("tables: {wood_table: 1}", "tables: {my_card: 1}"),
+    ):
+        assert before in text
+        text = text.replace(before, after)
+    path.write_text(text)
+    config = load_dataset_config(str(path))
+    pool, user_materials = object_pool(config), config.materials.of_user
+    made_of = set()
+    for scene in range(8):
+        bodies = build_scene(draw_scene(config, pool, scene), pool, user_materials).scene.bodies
+        made_of |= {body.material for body in bodies if body.is_part}
+        (table,) = (body for body in bodies if body.name == "table")
+        assert table.material == Matte("my_card", 0.4)
+    metals = [made for made in made_of if isinstance(made, RoughConductor)]
+    assert {(made.n, made.k, made.name.partition("@")[0]) for made in metals} == {(2.91, 4.42, "my_steel:polished")}
+    assert {made.name for made in made_of if made not in metals} == {"my_cover"}
+    classes = head(config, pool)["materials"]
+    assert classes[: len(BUILT_IN_CLASSES)] == list(BUILT_IN_CLASSES)
+    assert classes[-2:] == ["my_cover", "my_card"]
+    assert "my_steel:oxidised" not in classes
+    assert len(set(classes)) == len(classes) <= 255
+    assert DatasetConfig.model_validate(recorded(config).model_dump(mode="json")) == recorded(config)
 
 
 def test_a_cad_file_joins_the_pool(small_config: Path, tmp_path: Path):
