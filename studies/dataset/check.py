@@ -1,19 +1,22 @@
 """`franbv dataset check`: every byte against the manifests, every label against depth and truth; prints a verdict."""
 
+import re
+from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
 import tyro
 
 from studies.command_line import parse
 from studies.console import progress_bar, say, say_json
 from studies.dataset.card import card
+from studies.dataset.check_draw import Pool
+from studies.dataset.check_head import camera_problems, model_problems, stray_problems, table_problems
 from studies.dataset.check_scene import UNREADABLE, SceneCheck, check_scene
-from studies.dataset.config import DatasetConfig
+from studies.dataset.config import DatasetConfig, load_dataset_config
 from studies.dataset.folders import (
     CAMERA,
     CARD,
@@ -21,21 +24,34 @@ from studies.dataset.folders import (
     INDEX,
     MODELS,
     SPLIT,
-    WORK,
     bounded_bytes,
     existing_dataset,
     read_json,
     scene_name,
 )  # fmt: skip
 from studies.dataset.gathered import gather
-from studies.dataset.head import dataset_digest
 from studies.dataset.index import derived_index, scene_folders
+from studies.dataset.objects import object_pool
 from studies.workers import usable_processors
 
 PROGRAM = "franbv dataset check"
 HELP = "Verify hashes, label algebra, ranges, intrinsics, poses and units of a dataset. Exit status 1 on any problem."
-SIZES_MM = (5.0, 1000.0)
-"""Sides of objects that can be in millimetres [mm]: a screw to what a table holds."""
+
+
+SPOILT_SCENE = re.compile(rf"({SPLIT}/[0-9]{{6}})(/|:)")
+MOST_NAMED = 5
+"""Scenes and files that the mend names (choice: a line)."""
+LONGEST_LINE = 400
+"""Of a problem [characters] (choice: a few lines of a terminal)."""
+SOUND = (
+    "no problem. Every file has the hash that its manifest states; draws, poses, intrinsics, bodies, masks, depth "
+    "(from the infrared pair), decimated images and counts follow from the configuration and from each other."
+)
+NOT_CHECKED = (
+    "Not checked, since it takes a new rendering: that infrared images and true maps are what the renderer gives, the "
+    "exposure that was chosen automatically, and which of several causes a hole has beyond what geometry decides. "
+    "Hashes have no key: they show that nothing changed since, not who made it."
+)
 
 
 @dataclass(frozen=True)
@@ -44,6 +60,8 @@ class CheckCommand:
 
     dir: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")]
     """Folder of the dataset."""
+    config: Annotated[str | None, tyro.conf.arg(metavar="CONFIG.yaml")] = None
+    """What the dataset was made from; needed to draw scenes with CAD files again."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object as the last line of stdout."""
 
@@ -51,94 +69,96 @@ class CheckCommand:
 def run(args: list[str]) -> int:
     """Check and print."""
     command = parse(CheckCommand, args, PROGRAM, HELP)
-    views, problems = dataset_problems(existing_dataset(command.dir))
+    root, pool = existing_dataset(command.dir), None
+    if command.config is not None:
+        pool = object_pool(load_dataset_config(command.config))
+    views, problems = dataset_problems(root, pool)
     for problem in problems:
         say(problem)
-    verdict = "sound: every byte, label, pose and count agrees" if not problems else f"{len(problems)} problems"
-    say(f"{command.dir}: {views} views, {verdict}")
+    say(f"{command.dir}: {views} views, {SOUND if not problems else f'{len(problems)} problems'}")
+    say(mend(problems) if problems else NOT_CHECKED)
+    if not problems and pool is None and needs_cad(root):
+        say("Draws and models were not made again, because CAD files are needed for that: give --config CONFIG.yaml.")
     if command.json:
         say_json({"views": views, "problems": len(problems)})
     return 1 if problems else 0
 
 
-def dataset_problems(root: Path) -> tuple[int, list[str]]:
-    """Number of views, and one line for each problem."""
+def needs_cad(root: Path) -> bool:
+    """Whether the pool holds CAD files, which the dataset itself does not."""
+    return bool(read_json(root / DATASET)["config"]["objects"]["cad"])
+
+
+def dataset_problems(root: Path, pool: Pool | None = None) -> tuple[int, list[str]]:
+    """Number of views, and one line for each problem.
+
+    pool: the objects that scenes are drawn from; made from the configuration where it names no CAD file.
+    """
     try:
         top = read_json(root / DATASET)
         config = DatasetConfig.model_validate(top["config"])
-        digest = str(top["digest"])
+        digest, objects = str(top["digest"]), list(top["objects"])
+        pool = pool or (None if config.objects.cad else object_pool(config))
     except UNREADABLE as error:
-        return 0, [f"{DATASET}: cannot be read ({' '.join(str(error).split())})"]
-    problems: list[str] = []
-    try:
-        problems += head_problems(root, top, config)
-    except UNREADABLE as error:
-        problems.append(f"{DATASET}: does not say what it must ({type(error).__name__}: {error})")
+        return 0, [line(f"{DATASET}: cannot be read ({type(error).__name__}: {error})")]
+    problems = head_problems(root, top, config, pool)
     there = set(scene_folders(root))
     wanted = [number for number in range(config.scenes) if scene_name(number) in there]
-    problems += [f"{SPLIT}/{scene_name(n)}: is missing" for n in range(config.scenes) if scene_name(n) not in there]
-    checks: list[SceneCheck] = []
-    with ThreadPoolExecutor(usable_processors()) as pool, progress_bar() as progress:
+    problems += missing_scenes([scene_name(n) for n in range(config.scenes) if scene_name(n) not in there])
+    checks = [SceneCheck(root, number, config, digest, objects, pool) for number in wanted]
+    with ThreadPoolExecutor(usable_processors()) as workers, progress_bar() as progress:
         task = progress.add_task("checking", total=len(wanted))
-        for check in pool.map(lambda number: check_scene(root, number, config, digest), wanted):
-            checks.append(check)
+        for check in workers.map(check_scene, checks):
             problems += check.problems
             progress.update(task, advance=1)
+    makers = Counter(check.made_by for check in checks if check.made_by)
+    if len(makers) > 1:
+        problems.append(f"{SPLIT}: scenes were made by different renderers or versions: {'; '.join(sorted(makers))}")
     problems += derived_problems(root, sorted(there))
-    return sum(check.views for check in checks), problems
+    return sum(check.views for check in checks), [line(problem) for problem in problems]
 
 
-def head_problems(root: Path, top: dict[str, Any], config: DatasetConfig) -> Iterator[str]:
-    """Of the top folder: what does not belong there, and what its files say of themselves."""
-    if top["digest"] != dataset_digest(config):
-        yield f"{DATASET}: the digest is not that of the configuration"
-    known = {DATASET, INDEX, CARD, CAMERA, MODELS, SPLIT}
-    models = {f"obj_{entry['obj_id']:06d}.ply" for entry in top["objects"]} | {"models_info.json"}
-    scenes = {scene_name(number) for number in range(config.scenes)}
-    for folder, expected in ((root, known), (root / MODELS, models), (root / SPLIT, scenes)):
-        if folder.is_symlink() or not folder.is_dir():
-            yield f"{folder.name}: is no folder"
-            continue
-        for path in sorted(folder.iterdir()):
-            name = path.relative_to(root).as_posix()
-            if path.name == WORK:
-                yield f"{WORK}: the dataset is unfinished; give the `make` command again"
-            elif path.name not in expected:
-                yield f"{name}: stray"
-            elif path.is_symlink():
-                yield f"{name}: is a link"
-        yield from (
-            f"{(folder / name).relative_to(root).as_posix()}: is missing"
-            for name in sorted(expected - {path.name for path in folder.iterdir()})
-            if folder != root / SPLIT
-        )
-    try:
-        yield from model_problems(root)
-    except UNREADABLE as error:
-        yield f"{MODELS}: cannot be read ({error})"
+def missing_scenes(names: list[str]) -> list[str]:
+    """One line, however many there are."""
+    more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+    return [f"{SPLIT}/{names[0]}{more}: missing; give the `make` command again"] if names else []
 
 
-def model_problems(root: Path) -> Iterator[str]:
-    """Boxes in `models_info.json` are those of the models, in millimetres."""
-    for number, info in read_json(root / MODELS / "models_info.json").items():
-        name = f"{MODELS}/obj_{int(number):06d}.ply"
-        points = ply_points(bounded_bytes(root / name))
-        low, size = points.min(axis=0), np.ptp(points, axis=0)
-        stated = [[info[f"{what}_{axis}"] for axis in "xyz"] for what in ("min", "size")]
-        if np.abs(np.array(stated) - [low, size]).max() > 1e-4:
-            yield f"{name}: is not as large as models_info.json says"
-        if not SIZES_MM[0] <= size.max() <= SIZES_MM[1]:
-            yield f"{name}: is {size.max():.3g} mm long; models are in millimetres"
+def head_problems(root: Path, top: dict[str, Any], config: DatasetConfig, pool: Pool | None) -> list[str]:
+    """Of the top folder."""
+    problems: list[str] = []
+    for name, check in (
+        (DATASET, lambda: stray_problems(root, top, config)),
+        (DATASET, lambda: table_problems(top, config, pool)),
+        (CAMERA, lambda: camera_problems(root, config)),
+        (MODELS, lambda: model_problems(root, top, pool)),
+    ):
+        try:
+            problems += check()
+        except UNREADABLE as error:
+            problems.append(f"{name}: cannot be checked ({type(error).__name__}: {error})")
+    return problems
 
 
-def ply_points(data: bytes) -> np.ndarray:
-    """Vertices of an ASCII PLY of ours, (n, 3)."""
-    head, _, body = data.partition(b"end_header\n")
-    counts = [int(line.split()[2]) for line in head.splitlines() if line.startswith(b"element vertex ")]
-    if len(counts) != 1:
-        raise ValueError("a model is no PLY file")
-    count = counts[0]
-    return np.array([line.split()[:3] for line in body.split(b"\n", count)[:count]], float)
+def line(text: str) -> str:
+    """On one line of bounded length, without what a terminal would obey: names and values come from the files."""
+    words = " ".join("".join(c if c.isprintable() else " " for c in text[: 2 * LONGEST_LINE]).split())
+    return words if len(words) <= LONGEST_LINE else words[: LONGEST_LINE - 4] + " ..."
+
+
+def mend(problems: list[str]) -> str:
+    """What to delete so that `make` makes it again."""
+    spoilt = dict.fromkeys(
+        found.group(1) if (found := SPOILT_SCENE.match(problem)) else problem.partition(": ")[0]
+        for problem in problems
+        if "give the `make` command again" not in problem
+    )
+    named = ", ".join(list(spoilt)[:MOST_NAMED]) + (
+        f" and {len(spoilt) - MOST_NAMED} more" if len(spoilt) > MOST_NAMED else ""
+    )
+    return (
+        f"To mend it: {f'delete {named}, then ' if spoilt else ''}give the `make` command again; it makes what is gone."
+    )
 
 
 def derived_problems(root: Path, scenes: list[str]) -> Iterator[str]:

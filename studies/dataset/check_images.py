@@ -12,12 +12,14 @@ from render.burst_outcome import INVALID_SHARE, LEAST_FALSE, SIGMAS, SUBPIXEL_RM
 from render.causes import HOLES, Cause
 from render.rig import Rig
 from studies.dataset.built_scene import material_class, roughness
-from studies.dataset.layers import LAYERS, NOTHING_16, decoded
+from studies.dataset.layers import NOTHING_16, decoded_layer
 from studies.dataset.statistics import FALSE_DEPTH
 from studies.images import MM
 
 Fault = tuple[str, str]
 """Layer, and what is wrong with it."""
+DEPTH_TRUE_ROUNDING = 6e-5
+"""True depth is stored to 0.05 mm, of a float32 [m]."""
 ROUNDING = 0.6e-3
 """Depth is stored to half a millimetre and true depth to 0.05 mm [m]."""
 ANGLE_ROUNDING_DEG = 0.06
@@ -27,7 +29,6 @@ LEAST_AGREEMENT = 0.02
 camera's own specification is 2 %)."""
 
 Images = Mapping[str, np.ndarray]
-_DECODERS = {layer.folder: layer for layer in LAYERS}
 
 
 def view_faults(images: Images, bodies: list[dict[str, Any]], rig: Rig, n_frames: int) -> Iterator[Fault]:
@@ -53,11 +54,11 @@ def label_faults(images: Images, suffix: str) -> Iterator[Fault]:
 
 def depth_faults(images: Images, rig: Rig, n_frames: int) -> Iterator[Fault]:
     """Depth within the range of the search; false where, and only where, it is off the truth; in the same unit."""
-    depth, true = (decoded(_DECODERS[name], images[name]).astype(float) for name in ("depth", "depth_true"))
+    depth, true = (decoded_layer(name, images[name]).astype(float) for name in ("depth", "depth_true"))
     measured, wrong = depth > 0, images["false_depth"] > 0
     if measured.any() and depth[measured].min() < rig.min_z - ROUNDING:
         yield "depth", f"is nearer than Min-Z, {MM * rig.min_z:.0f} mm"
-    limit = np.maximum(LEAST_FALSE, SIGMAS * SUBPIXEL_RMS * true**2 / rig.focal_baseline)
+    limit = false_limit(true, rig)
     error = np.abs(depth - true)
     if np.any(measured & wrong & (true > 0) & (error < limit - ROUNDING)):
         yield "false_depth", "calls depth false that is right"
@@ -70,6 +71,11 @@ def depth_faults(images: Images, rig: Rig, n_frames: int) -> Iterator[Fault]:
         missing = images["missing_frames"]
         if missing.max() > n_frames or np.any((missing >= INVALID_SHARE * n_frames) != ~measured):
             yield "missing_frames", "does not agree with depth"
+
+
+def false_limit(true: Float[np.ndarray, "h w"], rig: Rig) -> Float[np.ndarray, "h w"]:
+    """Error beyond which depth is false [m], as `render.burst_outcome.is_false_depth` has it. true: [m]."""
+    return np.maximum(LEAST_FALSE, SIGMAS * SUBPIXEL_RMS * true**2 / rig.focal_baseline)
 
 
 def truth_faults(images: Images, bodies: list[dict[str, Any]], k: Intrinsics) -> Iterator[Fault]:
@@ -100,7 +106,7 @@ def truth_faults(images: Images, bodies: list[dict[str, Any]], k: Intrinsics) ->
 
 def normal_faults(images: Images, there: Bool[np.ndarray, "h w"], k: Intrinsics) -> Iterator[Fault]:
     """Normals are of unit length and make the stored angle with the view ray."""
-    normal: Float[np.ndarray, "n 3"] = decoded(_DECODERS["normal"], images["normal"])[there].astype(float)
+    normal: Float[np.ndarray, "n 3"] = decoded_layer("normal", images["normal"])[there].astype(float)
     if not len(normal):
         return
     if np.any(np.abs(np.linalg.norm(normal, axis=1) - 1) > 1e-3):

@@ -1,49 +1,66 @@
-"""What the masks of an object must satisfy: they are what the body map shows, and are counted and encoded rightly."""
+"""What the masks of a view must satisfy: they are what body map and models show, and BOP's counts follow from them."""
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, UInt16
+from jaxtyping import Bool, Float
+from scipy.spatial.transform import RigidTransform
 
-from studies.dataset import rle
+from franbv.frames import Intrinsics, project
 from studies.dataset.layers import MASKS, Layer
 from studies.dataset.reader import read_layer
-from studies.dataset.view import bounding_box
+from studies.dataset.view import Silhouette, bounding_box
 
-Annotations = dict[tuple[int, int], dict[str, Any]]
-"""COCO annotations by view and place of the object in it."""
+Box = tuple[int, int, int, int]
+TIP_PX = 3
+"""A tip thinner than a pixel, this long, can slip between the rays that make a silhouette [px] (choice)."""
 
 
-def mask_faults(
-    folder: Path,
-    number: int,
-    place: int,
-    seen: Bool[np.ndarray, "h w"],
-    depth: UInt16[np.ndarray, "h w"],
-    info: dict[str, Any],
-    annotations: Annotations,
-) -> Iterator[tuple[str, str]]:
-    """Masks agree with the body map, and counts, boxes and run lengths with the masks."""
-    names = [f"{name}/{number:06d}_{place:06d}.png" for name in MASKS]
-    whole, visible = (read_layer(folder / name, Layer(name, np.uint8, 1, "")) for name in names)
-    if whole.shape != seen.shape or np.any(visible != np.where(seen, 255, 0)):
-        yield names[1], "is not what the body map shows of the object"
-        return
-    if not np.isin(whole, [0, 255]).all() or np.any(seen & (whole == 0)):
-        yield names[0], "does not hold the visible part"
-    stated = (info["px_count_visib"], info["bbox_visib"], info["px_count_valid"])
-    if stated != (int(seen.sum()), list(bounding_box(seen)), int(np.count_nonzero((whole > 0) & (depth > 0)))):
-        yield "scene_gt_info.json", f"object {place}: counts or box are not those of the masks"
-    inside = int(np.count_nonzero(whole))
-    fraction = seen.sum() / info["px_count_all"] if info["px_count_all"] else 0.0
-    if info["px_count_all"] < inside or abs(info["visib_fract"] - fraction) > 1e-9:
-        yield "scene_gt_info.json", f"object {place}: visib_fract is not px_count_visib / px_count_all"
-    entry = annotations.get((number, place))
-    if (entry is not None) != bool(seen.any()):
-        yield "scene_gt_coco.json", f"object {place}: annotated though unseen, or the other way round"
-    elif entry is not None:
-        again = rle.decoded(entry["segmentation"]), rle.decoded(entry["segmentation_full"])
-        if np.any(again[0] != seen) or np.any(again[1] != (whole > 0)) or entry["area"] != seen.sum():
-            yield "scene_gt_coco.json", f"object {place}: the run lengths are not those of the masks"
+def read_silhouettes(
+    folder: Path, number: int, visible: Sequence[Bool[np.ndarray, "h w"]], info: list[dict[str, Any]]
+) -> tuple[list[Silhouette], list[tuple[str, str]]]:
+    """Silhouettes of a view's objects as files and `scene_gt_info.json` state them, and what is wrong with them.
+
+    visible: pixels that see each object, by the body map.
+    """
+    found, faults = [], []
+    for place, seen in enumerate(visible):
+        names = [f"{name}/{number:06d}_{place:06d}.png" for name in MASKS]
+        whole, shown = (read_layer(folder / name, Layer(name, np.uint8, 1, "")) for name in names)
+        if whole.shape != seen.shape or np.any(shown != np.where(seen, 255, 0)):
+            faults.append((names[1], "is not what the body map shows of the object"))
+        if whole.shape != seen.shape or not np.isin(whole, [0, 255]).all() or np.any(seen & (whole == 0)):
+            faults.append((names[0], "does not hold the visible part"))
+            whole = np.where(seen, 255, 0)
+        x, y, w, h = (int(side) for side in info[place]["bbox_obj"])
+        found.append(Silhouette(whole > 0, (x, y, w, h), int(info[place]["px_count_all"])))
+    return found, faults
+
+
+def silhouette_fault(
+    stated: Silhouette, vertices: Float[np.ndarray, "n 3"], pose: RigidTransform, k: Intrinsics
+) -> str | None:
+    """What cannot be of the box and the number of pixels of an object with these corners in the world [m].
+
+    Inside the image both follow from the mask. Beyond it, on a canvas of three images' width and height, the box ends
+    where the outermost corners are seen, and holds no more pixels than fit in.
+    """
+    inside = int(np.count_nonzero(stated.mask))
+    x, y, w, h = stated.box
+    left, top, right, bottom = max(x, 0), max(y, 0), min(x + w, k.width), min(y + h, k.height)
+    if (left, top, right, bottom) == (x, y, x + w, y + h) or w <= 0:
+        if (stated.box, stated.pixels) != (bounding_box(stated.mask), inside):
+            return "bbox_obj or px_count_all is not that of the mask"
+    elif not 0 <= stated.pixels - inside <= w * h - max(right - left, 0) * max(bottom - top, 0):
+        return "px_count_all is more than the mask and what of bbox_obj lies beyond the image"
+    points = pose.inv().apply(vertices)
+    if np.any(points[:, 2] <= 1e-3):  # what is beside or behind the camera has no outline
+        return None
+    size = np.array([k.width, k.height])
+    outline = np.clip(np.stack([(uv := project(points, k)).min(axis=0), uv.max(axis=0)]), -size, 2 * size - 1)
+    corners = np.array([[x, y], [x + w - 1, y + h - 1]])
+    if w > 0 and np.abs(corners - outline).max() > TIP_PX:
+        return "bbox_obj is not where the model is seen"
+    return None

@@ -1,7 +1,6 @@
 """What the files of one scene must satisfy: manifest, poses, intrinsics, counts, masks, and every view's images."""
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,23 +10,24 @@ import numpy as np
 from render.decimation import block_centre_intrinsics
 from render.rig import d435i_rig
 from studies.cases import file_digest
-from studies.dataset.check_images import view_faults
-from studies.dataset.check_masks import Annotations, mask_faults
+from studies.dataset import bop
+from studies.dataset.built_scene import BuiltScene
+from studies.dataset.check_draw import Pool, difference, draw_faults, drawn_again
 from studies.dataset.check_poses import is_pose, pose_faults
+from studies.dataset.check_view import SceneSaid, ViewSaid, check_view
 from studies.dataset.config import DatasetConfig
 from studies.dataset.draw import SceneDraw
 from studies.dataset.folders import LARGEST_FILE, MANIFEST, SCENE, SPLIT, STATISTICS, read_json, scene_name
 from studies.dataset.layers import FRAMES, MASKS
 from studies.dataset.layers import layers as layers_of
-from studies.dataset.reader import read_layer
 from studies.dataset.scene_case import FORMAT
-from studies.dataset.statistics import counts
 
 JSON_FILES = ("scene_camera.json", "scene_gt.json", "scene_gt_info.json", "scene_gt_coco.json", SCENE, STATISTICS)
 SAFE_NAME = re.compile(r"[a-z0-9_]+(/[a-z0-9_]+)?\.(png|json)")
 """No path that leaves the folder."""
-UNREADABLE = (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError)
-"""What reading something malformed raises."""
+UNREADABLE = Exception
+"""What reading something malformed can raise, from a bad number to a nesting without end: whatever it is, the file
+cannot be checked, and that is a problem of the dataset."""
 
 
 @dataclass
@@ -39,8 +39,14 @@ class SceneCheck:
     config: DatasetConfig
     digest: str
     """That `dataset.json` states."""
+    objects: list[dict[str, Any]]
+    """Their numbers and names, as `dataset.json` states them."""
+    pool: Pool | None
+    """The objects that scenes are drawn from; None where a CAD file is not at hand."""
     problems: list[str] = field(default_factory=list)
     views: int = 0
+    made_by: str = ""
+    """Renderer and versions, as the manifest has them."""
     changed: set[str] = field(default_factory=set)
     """Files that are not those of the manifest: nothing they say counts, and they are not even decoded."""
 
@@ -54,9 +60,9 @@ class SceneCheck:
         self.problems.append(f"{SPLIT}/{scene_name(self.scene)}/{name}: {what}")
 
 
-def check_scene(root: Path, scene: int, config: DatasetConfig, digest: str) -> SceneCheck:
+def check_scene(check: SceneCheck) -> SceneCheck:
     """All problems of a scene, of its bytes and of what they say."""
-    check = SceneCheck(root, scene, config, digest, views=config.views_of(scene))
+    check.views = check.config.views_of(check.scene)
     try:
         manifest = read_json(check.folder / MANIFEST)
         check_manifest(check, manifest)
@@ -64,7 +70,7 @@ def check_scene(root: Path, scene: int, config: DatasetConfig, digest: str) -> S
         check.report(MANIFEST, f"cannot be read ({error})")
         return check
     try:
-        check_contents(check)
+        check_contents(check, manifest)
     except UNREADABLE as error:
         check.report(SCENE, f"the scene's content cannot be checked ({type(error).__name__}: {error})")
     return check
@@ -77,6 +83,7 @@ def check_manifest(check: SceneCheck, manifest: dict[str, Any]) -> None:
     for key, value in stated.items():
         if manifest[key] != value:
             check.report(MANIFEST, f"{key} is {manifest[key]!r}, not {value!r}")
+    check.made_by = f"{manifest['renderer']}, " + ", ".join(f"{a} {b}" for a, b in manifest["versions"].items())
     listed: dict[str, list] = manifest["files"]
     there = {path.relative_to(check.folder).as_posix(): path for path in check.folder.rglob("*")}
     found = {name: path for name, path in there.items() if not _is_folder(path)}
@@ -108,7 +115,7 @@ def _is_folder(path: Path) -> bool:
     return path.is_dir() and not path.is_symlink()
 
 
-def check_contents(check: SceneCheck) -> None:
+def check_contents(check: SceneCheck, manifest: dict[str, Any]) -> None:
     """Everything that the files say, where they are as they were made."""
     if check.changed.intersection(JSON_FILES):
         return
@@ -119,6 +126,8 @@ def check_contents(check: SceneCheck) -> None:
     if len(draw.views) != check.views:
         check.report(SCENE, f"has {len(draw.views)} views, not {check.views}")
         return
+    if manifest["noise_seed"] != draw.noise_seed:
+        check.report(MANIFEST, "noise_seed is not that of the draw")
     keys = [str(number) for number in range(check.views)]
     for name, entries in zip((*JSON_FILES[:3], STATISTICS), (camera, poses, info, statistics), strict=True):
         if list(entries) != keys:
@@ -126,14 +135,46 @@ def check_contents(check: SceneCheck) -> None:
             return
     check_file_names(check, len(draw.objects))
     check_draw(check, draw, scene)
-    annotations = _by_view(coco)
+    said = SceneSaid(check.folder, check.config, draw, scene["bodies"], check_drawn_again(check, scene))
+    annotations = []
     for number in range(check.views):
-        faults = [
-            *pose_faults(draw, number, camera[str(number)], poses[str(number)]),
-            *image_faults(check, draw, scene, number, info[str(number)], annotations, statistics[str(number)]),
-        ]
-        for name, what in faults:
-            check.report(name, f"view {number}: {what}" if name.endswith(".json") else what)
+        for name, what in pose_faults(draw, number, camera[str(number)], poses[str(number)]):
+            check.report(name, f"view {number}: {what}")
+        annotations.append(check_images(check, said, ViewSaid(number, info[str(number)], statistics[str(number)])))
+    if None not in annotations:
+        check_coco(check, draw, coco, annotations)
+
+
+def check_images(check: SceneCheck, said: SceneSaid, view: ViewSaid) -> list[dict[str, Any]] | None:
+    """Report what is wrong with a view's images; its COCO annotations, None where they cannot be told."""
+    if any(f"/{view.number:06d}" in name for name in check.changed):
+        return None
+    try:
+        faults, annotations = check_view(said, view)
+    except UNREADABLE as error:
+        check.report(SCENE, f"view {view.number}: cannot be checked ({type(error).__name__}: {error})")
+        return None
+    for name, what in faults:
+        check.report(name, f"view {view.number}: {what}" if name.endswith(".json") else what)
+    return annotations
+
+
+def check_drawn_again(check: SceneCheck, scene: dict[str, Any]) -> BuiltScene | None:
+    """The scene as the configuration gives it; None where it cannot be drawn."""
+    if check.pool is None:
+        return None
+    again, built = drawn_again(check.config, check.pool, check.scene)
+    for what in draw_faults(scene, check.config, again, built):
+        check.report(SCENE, what)
+    return built
+
+
+def check_coco(check: SceneCheck, draw: SceneDraw, coco: dict[str, Any], annotations: list) -> None:
+    """The file is what masks and draw give."""
+    k = d435i_rig(draw.profile).intrinsics
+    names = {int(entry["obj_id"]): str(entry["name"]) for entry in check.objects}
+    if what := difference(coco, bop.coco_file(names, (k.width, k.height), annotations), "it"):
+        check.report("scene_gt_coco.json", what)
 
 
 def check_file_names(check: SceneCheck, n_objects: int) -> None:
@@ -169,42 +210,3 @@ def check_draw(check: SceneCheck, draw: SceneDraw, scene: dict[str, Any]) -> Non
     for matrix in (*(thing.T_world_model for thing in draw.objects), *(view.T_world_cam for view in draw.views)):
         if not is_pose(np.array(matrix)):
             check.report(SCENE, "holds a matrix that is no pose")
-
-
-def image_faults(
-    check: SceneCheck,
-    draw: SceneDraw,
-    scene: dict[str, Any],
-    number: int,
-    info: list[dict[str, Any]],
-    annotations: Annotations,
-    statistics: list[list[int]],
-) -> Iterator[tuple[str, str]]:
-    """Sizes and types, what the images say, and what is counted of them."""
-    if any(f"/{number:06d}" in name for name in check.changed):
-        return
-    rig = d435i_rig(draw.profile)
-    full, reduced = (rig.intrinsics.height, rig.intrinsics.width), scene["size_decimated"][::-1]
-    images: dict[str, np.ndarray] = {}
-    for layer in layers_of(check.config.n_frames):
-        name = f"{layer.folder}/{number:06d}.png"
-        try:
-            images[layer.folder] = read_layer(check.folder / name, layer)
-        except (OSError, ValueError) as error:
-            yield name, f"cannot be read ({error})"
-            return
-        wanted = list(reduced) if layer.decimated else list(full)
-        if list(images[layer.folder].shape[:2]) != wanted:
-            yield name, f"is {images[layer.folder].shape[1]}x{images[layer.folder].shape[0]} pixels"
-            return
-    for folder, what in view_faults(images, scene["bodies"], rig, check.config.n_frames):
-        yield f"{folder}/{number:06d}.png", what
-    owner = np.array([-1, *(entry["object"] for entry in scene["bodies"])])[images["body"]]
-    for place in range(len(draw.objects)):
-        yield from mask_faults(check.folder, number, place, owner == place, images["depth"], info[place], annotations)
-    if counts(images, owner >= 0) != statistics:
-        yield STATISTICS, "the counts are not those of the images"
-
-
-def _by_view(coco: dict[str, Any]) -> Annotations:
-    return {(entry["image_id"], entry["gt_id"]): entry for entry in coco["annotations"]}

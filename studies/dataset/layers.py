@@ -69,6 +69,7 @@ LAYERS = (
 MISSING = Layer("missing_frames", np.uint8, 1, "number of the view's frames in which the pixel has no depth")
 FRAMES = Layer("depth_frames", np.uint16, 1, "Z-depth of each single frame [mm], 0 = none", 1e-3, "m")
 """Kept only where the configuration asks for it, `depth_frames/000000_000000.png`."""
+BY_FOLDER = {layer.folder: layer for layer in (*LAYERS, MISSING, FRAMES)}
 MASKS = ("mask", "mask_visib")
 """Silhouette of each object as if it were alone, and what of it is seen; `mask/000000_000000.png`, 0 or 255."""
 
@@ -86,3 +87,8 @@ def decoded(layer: Layer, raw: np.ndarray) -> np.ndarray:
     if layer.folder == "normal":
         values -= 1
     return values if layer.nothing is None else np.where(raw == layer.nothing, np.float32(np.nan), values)
+
+
+def decoded_layer(folder: str, raw: np.ndarray) -> np.ndarray:
+    """`decoded`, of the layer in this folder."""
+    return decoded(BY_FOLDER[folder], raw)

@@ -19,11 +19,10 @@ from jaxtyping import Bool, Float
 
 from materials.input_error import InputError
 from studies.dataset.folders import DATASET, SPLIT, bounded_bytes, existing_dataset, read_json
-from studies.dataset.layers import FRAMES, LAYERS, MISSING, Layer, decoded
+from studies.dataset.layers import BY_FOLDER, FRAMES, Layer, decoded
 
 MOST_PIXELS = 1280 * 720
 """Of an image: the largest stream profile."""
-_BY_FOLDER = {layer.folder: layer for layer in (*LAYERS, MISSING, FRAMES)}
 
 
 class Dataset(Sequence["View"]):
@@ -85,18 +84,18 @@ class View:
 
     def __getattr__(self, name: str) -> np.ndarray:
         """An image by its folder's name, in SI units, NaN for nothing."""
-        if name not in _BY_FOLDER or name == FRAMES.folder:
-            raise AttributeError(f"a view has no {name}; its images are {', '.join(_BY_FOLDER)}")
-        return decoded(_BY_FOLDER[name], self.raw(name))
+        if name not in BY_FOLDER or name == FRAMES.folder:
+            raise AttributeError(f"a view has no {name}; its images are {', '.join(BY_FOLDER)}")
+        return decoded(BY_FOLDER[name], self.raw(name))
 
     def raw(self, name: str) -> np.ndarray:
         """An image as it is stored."""
-        layer = _BY_FOLDER[name]
+        layer = BY_FOLDER[name]
         return read_layer(self.folder / name / f"{self.number:06d}.png", layer)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """All images of the view."""
-        there = (name for name in _BY_FOLDER if name != FRAMES.folder and (self.folder / name).is_dir())
+        there = (name for name in BY_FOLDER if name != FRAMES.folder and (self.folder / name).is_dir())
         return {name: getattr(self, name) for name in there}
 
     @property
