@@ -43,14 +43,14 @@ def difference(stated: Any, wanted: Any, place: str) -> str | None:
     """The first place at which two JSON values differ; numbers may by DRAW_ERROR."""
     if isinstance(wanted, dict) and isinstance(stated, dict):
         if stated.keys() != wanted.keys():
-            return f"{place} has the entries {', '.join(map(str, stated))}, not {', '.join(wanted)}"
-        pairs = [(f"{place}.{key}", stated[key], wanted[key]) for key in wanted]
+            return f"{place} has the entries {', '.join(map(str, stated))}, not {', '.join(map(str, wanted))}".lstrip()
+        pairs = [(f"{place}.{key}".lstrip("."), stated[key], wanted[key]) for key in wanted]
     elif isinstance(wanted, list) and isinstance(stated, list):
         if len(stated) != len(wanted):
             return f"{place} has {len(stated)} entries, not {len(wanted)}"
         pairs = [(f"{place}[{k}]", *both) for k, both in enumerate(zip(stated, wanted, strict=True))]
     else:
-        return None if _same(stated, wanted) else f"{place} is {stated!r}, the configuration gives {wanted!r}"
+        return None if _same(stated, wanted) else f"{place} is {stated!r}, not {wanted!r}"
     return next((found for name, a, b in pairs if (found := difference(a, b, name))), None)
 
 

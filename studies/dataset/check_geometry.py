@@ -23,20 +23,28 @@ TABLE = "table"
 
 def place_faults(images: Images, bodies: tuple[Body, ...], pose: RigidTransform, rig: Rig) -> Iterator[Fault]:
     """Every pixel's point lies in the box around its body; the table's, on the box itself."""
-    body = images["body"]
-    there = (body > 0) & (images["depth_true"] > 0)
-    if body.max() > len(bodies) or not there.any():
+    body, k = images["body"], rig.intrinsics
+    if body.max() > len(bodies):
         return
-    true = decoded_layer("depth_true", images["depth_true"])[there]
-    points = pose.apply(rig.intrinsics.pixel_directions()[there] * true[:, None])
-    number = body[there] - 1
-    low, high = (np.array([extreme(b.mesh.vertices, axis=0) for b in bodies]) for extreme in (np.min, np.max))
-    outside = np.maximum(low[number] - points, points - high[number]).max(axis=1)
-    off = outside > PLACE_ROUNDING
-    for place in (place for place, b in enumerate(bodies) if b.name == TABLE):
-        off |= (number == place) & (outside < -PLACE_ROUNDING)
+    z = decoded_layer("depth_true", images["depth_true"])
+    x, y = (
+        z * np.float32((np.arange(k.width) - k.cx) / k.fx),
+        z * np.float32((np.arange(k.height) - k.cy) / k.fy)[:, None],
+    )
+    outside = np.full(body.shape, -np.inf, np.float32)
+    turn, origin = pose.rotation.as_matrix().astype(np.float32), pose.translation.astype(np.float32)
+    for axis in range(3):
+        point = turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] * z + origin[axis]
+        low, high = (
+            np.array([wide, *(extreme(b.mesh.vertices[:, axis]) for b in bodies)], np.float32)
+            for extreme, wide in ((np.min, -np.inf), (np.max, np.inf))
+        )
+        np.maximum(outside, np.maximum(low[body] - point, point - high[body]), out=outside)
+    is_table = np.array([False, *(b.name == TABLE for b in bodies)])
+    off = (outside > PLACE_ROUNDING) | (is_table[body] & (outside < -PLACE_ROUNDING))
+    off &= z > 0
     if off.any():
-        what = bodies[int(number[off][0])].name
+        what = bodies[int(body[off][0]) - 1].name
         yield "depth_true", f"puts {np.count_nonzero(off)} points where, from this pose, {what} is not"
 
 

@@ -173,7 +173,7 @@ def check_coco(check: SceneCheck, draw: SceneDraw, coco: dict[str, Any], annotat
     """The file is what masks and draw give."""
     k = d435i_rig(draw.profile).intrinsics
     names = {int(entry["obj_id"]): str(entry["name"]) for entry in check.objects}
-    if what := difference(coco, bop.coco_file(names, (k.width, k.height), annotations), "it"):
+    if what := difference(coco, bop.coco_file(names, (k.width, k.height), annotations), ""):
         check.report("scene_gt_coco.json", what)
 
 

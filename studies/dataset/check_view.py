@@ -122,6 +122,6 @@ def mask_faults(
     again = LabelledView(
         {"depth": depth}, np.zeros((0, *depth.shape), np.uint16), tuple(silhouettes), visible, 0.0, 0.0
     )
-    if what := difference(view.info, bop.info_entries(again), "it"):
+    if what := difference(view.info, bop.info_entries(again), "objects"):
         faults.append((INFO, what))
     return faults, bop.coco_annotations(scene.draw, view.number, again)

@@ -1,5 +1,6 @@
 """One small dataset that all tests of datasets read: four views of two scenes, metal and rubber, made once."""
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -43,3 +44,9 @@ def small_dataset(small_config: Path, tmp_path_factory: pytest.TempPathFactory) 
     folder = tmp_path_factory.mktemp("made") / "small"
     assert main(["dataset", "make", str(small_config), str(folder), "--workers", "1"]) == 0
     return folder
+
+
+@pytest.fixture
+def dataset(small_dataset: Path, tmp_path: Path) -> Path:
+    """A copy that a test may spoil."""
+    return Path(shutil.copytree(small_dataset, tmp_path / "copy"))

@@ -9,18 +9,10 @@ import cv2
 import numpy as np
 import pytest
 
-from studies.cases import file_digest
 from studies.cli import main
-from studies.dataset.card import write_card
-from studies.dataset.check import dataset_problems
+from studies.dataset.check import dataset_problems, missing_scenes
+from studies.dataset.check_head import ply_points
 from studies.dataset.folders import compact_json, listed_files
-from studies.dataset.index import scene_folders, write_index
-
-
-@pytest.fixture
-def dataset(small_dataset: Path, tmp_path: Path) -> Path:
-    """A copy that a test may spoil."""
-    return Path(shutil.copytree(small_dataset, tmp_path / "copy"))
 
 
 def _files(root: Path) -> list[Path]:
@@ -105,78 +97,6 @@ def test_every_one_of_many_corruptions_is_found(small_dataset: Path, tmp_path: P
     assert missed == []
 
 
-def _made_to_fit(root: Path) -> None:
-    """Manifests, index and card as if the changed files had been made so: only their content can give them away."""
-    for scene in scene_folders(root):
-        path = root / "train" / scene / "manifest.json"
-        manifest = json.loads(path.read_text())
-        path.unlink()
-        path.write_bytes(compact_json(manifest | {"files": listed_files(path.parent)}))
-    write_index(root, scene_folders(root))
-    write_card(root)
-
-
-def _edit(path: Path, change: Callable[[np.ndarray], None]) -> None:
-    image = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
-    change(image)
-    cv2.imwrite(str(path), image)
-
-
-def test_made_to_fit_alone_makes_no_problem(dataset: Path):
-    """So that the tests below find what they mean to find."""
-    before = {path: file_digest(path) for path in _files(dataset)}
-    _made_to_fit(dataset)
-    assert {path: file_digest(path) for path in _files(dataset)} == before
-
-
-def _first(image: np.ndarray, where: np.ndarray) -> tuple[int, ...]:
-    return tuple(np.argwhere(where)[len(np.argwhere(where)) // 2])
-
-
-NEITHER = "has depth and a cause, or neither"
-CONTENT = {
-    "a hole without a cause": ("cause", lambda a: a.__setitem__(_first(a, a > 0), 0), NEITHER),
-    "a cause with depth": ("cause", lambda a: a.__setitem__(_first(a, a == 0), 3), NEITHER),
-    "a code that is none": ("cause", lambda a: a.__setitem__(_first(a, a > 0), 99), "no cause"),
-    "false depth called right": ("false_depth", lambda a: a.fill(0), "calls depth right that is false"),
-    "right depth called false": ("false_depth", lambda a: np.copyto(a, 21, where=a == 0), "false"),
-    "depth in another unit": ("depth", lambda a: np.copyto(a, a // 10), "depth"),
-    "truth in another unit": ("depth_true", lambda a: np.copyto(a, a // 10), "depth"),
-    "something where nothing is": ("body", lambda a: a.fill(0), "says that something is there"),
-    "another material": ("material", lambda a: np.copyto(a, a + 1), "is not that of the body"),
-    "a smoother surface": ("roughness_v", lambda a: np.copyto(a, a // 2), "is not that of the body"),
-    "a mirrored normal": ("normal", lambda a: np.copyto(a, a[..., ::-1].copy()), "angle between normal and view ray"),
-    "frames that were there": ("missing_frames", lambda a: a.fill(0), "does not agree with depth"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("case", CONTENT)
-def test_wrong_content_is_found_behind_right_hashes(dataset: Path, case: str):
-    """The label algebra, the units and the agreement of the truth are checked, not only the bytes."""
-    layer, change, words = CONTENT[case]
-    _edit(dataset / "train/000000" / layer / "000001.png", change)
-    _made_to_fit(dataset)
-    assert any(words in problem for problem in dataset_problems(dataset)[1])
-
-
-@pytest.mark.parametrize(
-    ("name", "key", "change", "words"),
-    [
-        ("scene_camera", "cam_K", lambda v: [*v[:2], v[2] + 0.5, *v[3:]], "cam_K"),
-        ("scene_camera", "cam_t_w2c", lambda v: [x / 1000 for x in v], "in mm"),
-        ("scene_camera", "depth_scale", lambda v: 0.1, "depth_scale"),
-    ],
-)
-def test_wrong_intrinsics_and_poses_are_found(dataset: Path, name: str, key: str, change: Callable, words: str):
-    """In the files that BOP's readers take."""
-    path = dataset / "train/000001" / f"{name}.json"
-    content = json.loads(path.read_text())
-    content["1"][key] = change(content["1"][key])
-    path.write_bytes(compact_json(content))
-    _made_to_fit(dataset)
-    assert any(words in problem for problem in dataset_problems(dataset)[1])
-
-
 def test_a_link_out_of_the_folder_is_not_followed(dataset: Path, tmp_path: Path):
     """A link to the same bytes elsewhere is a problem, and so is a manifest that names a path outside."""
     image = dataset / "train/000000/gray/000000.png"
@@ -203,3 +123,42 @@ def test_no_dataset_at_all(tmp_path: Path, capsys: pytest.CaptureFixture):
     """Exit status 2, one line."""
     assert main(["dataset", "check", str(tmp_path)]) == 2
     assert "holds no dataset.json" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "name", ["dataset.json", "camera.json", "models/models_info.json", "train/000000/scene_gt.json"]
+)
+@pytest.mark.parametrize("content", ["[" * 200_000, "7", "[]", "{}", '{"0": 1e999}', "\x1b[31m\n"])
+def test_crafted_json_is_a_problem_and_no_crash(dataset: Path, name: str, content: str):
+    """Nested without end, of another type, with a terminal's commands: one printable line each."""
+    (dataset / name).write_text(content)
+    manifest = dataset / "train/000000/manifest.json"
+    files = listed_files(manifest.parent)
+    files.pop("manifest.json")
+    manifest.write_bytes(compact_json(json.loads(manifest.read_text()) | {"files": files}))
+    problems = dataset_problems(dataset)[1]
+    assert problems
+    assert all(problem.isprintable() and len(problem) < 500 for problem in problems)
+
+
+def test_a_model_cannot_ask_for_more_memory_than_it_has_corners(tmp_path: Path):
+    """Whatever its head says: 30 digits, or more corners than the file has room for."""
+    for count in ("9" * 30, "99999999", "-1"):
+        with pytest.raises(ValueError, match="no PLY file"):
+            ply_points(f"ply\nelement vertex {count}\nend_header\n0 0 0\n".encode())
+
+
+def test_missing_scenes_take_one_line(dataset: Path):
+    """However many a crafted configuration asks for."""
+    assert missing_scenes([f"{n:06d}" for n in range(10**5)]) == [
+        "train/000000 and 99999 more: missing; give the `make` command again"
+    ]
+
+
+def test_the_mend_is_said(dataset: Path, capsys: pytest.CaptureFixture):
+    """Delete what is wrong, then make it again."""
+    (dataset / "train/000001/gray/000000.png").unlink()
+    (dataset / "README.md").write_text("")
+    assert main(["dataset", "check", str(dataset)]) == 1
+    said = capsys.readouterr().out
+    assert "To mend it: delete train/000001, README.md, then give the `make` command again" in said
