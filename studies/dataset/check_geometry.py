@@ -27,10 +27,8 @@ def place_faults(images: Images, bodies: tuple[Body, ...], pose: RigidTransform,
     if body.max() > len(bodies):
         return
     z = decoded_layer("depth_true", images["depth_true"])
-    x, y = (
-        z * np.float32((np.arange(k.width) - k.cx) / k.fx),
-        z * np.float32((np.arange(k.height) - k.cy) / k.fy)[:, None],
-    )
+    rays = k.pixel_directions().astype(np.float32)
+    x, y = z * rays[..., 0], z * rays[..., 1]
     outside = np.full(body.shape, -np.inf, np.float32)
     turn, origin = pose.rotation.as_matrix().astype(np.float32), pose.translation.astype(np.float32)
     for axis in range(3):
