@@ -18,6 +18,7 @@ from studies.dataset.check_view import SceneSaid, ViewSaid, check_view
 from studies.dataset.config import DatasetConfig
 from studies.dataset.draw import SceneDraw
 from studies.dataset.folders import LARGEST_FILE, MANIFEST, SCENE, SPLIT, STATISTICS, read_json, scene_name
+from studies.dataset.gathered import made_by
 from studies.dataset.layers import FRAMES, MASKS
 from studies.dataset.layers import layers as layers_of
 from studies.dataset.scene_case import FORMAT
@@ -83,7 +84,7 @@ def check_manifest(check: SceneCheck, manifest: dict[str, Any]) -> None:
     for key, value in stated.items():
         if manifest[key] != value:
             check.report(MANIFEST, f"{key} is {manifest[key]!r}, not {value!r}")
-    check.made_by = f"{manifest['renderer']}, " + ", ".join(f"{a} {b}" for a, b in manifest["versions"].items())
+    check.made_by = made_by(manifest)
     listed: dict[str, list] = manifest["files"]
     there = {path.relative_to(check.folder).as_posix(): path for path in check.folder.rglob("*")}
     found = {name: path for name, path in there.items() if not _is_folder(path)}

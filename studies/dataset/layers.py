@@ -26,8 +26,8 @@ class Layer:
 
 
 LAYERS = (
-    Layer("gray", np.uint8, 1, "left infrared image [DN]"),
-    Layer("gray_right", np.uint8, 1, "right infrared image [DN]"),
+    Layer("gray", np.uint8, 1, "left infrared image, grey values 0 to 255"),
+    Layer("gray_right", np.uint8, 1, "right infrared image, grey values 0 to 255"),
     Layer("depth", np.uint16, 1, "Z-depth of the left imager [mm], 0 = none", 1e-3, "m"),
     Layer("depth_decimated", np.uint16, 1, "the same after librealsense's decimation", 1e-3, "m", None, True),
     Layer("depth_true", np.uint16, 1, "true Z-depth [0.1 mm], 0 = nothing there", 1e-4, "m"),
@@ -55,12 +55,12 @@ LAYERS = (
         "roughness_u",
         np.uint16,
         1,
-        "GGX alpha along the lay [1e-4], 65535 = matte or nothing there",
+        "roughness (GGX alpha) along the marks of machining [1e-4], 65535 = matte or nothing there",
         1e-4,
         "-",
         NOTHING_16,
     ),
-    Layer("roughness_v", np.uint16, 1, "the same across the lay", 1e-4, "-", NOTHING_16),
+    Layer("roughness_v", np.uint16, 1, "the same across them", 1e-4, "-", NOTHING_16),
     Layer("cause", np.uint8, 1, "why depth is missing, by the codes of `dataset.json`; 0 = has depth"),
     Layer("false_depth", np.uint8, 1, "0 = none or right; 20 = false, right on a matte surface; 21 = false otherwise"),
     Layer("cause_decimated", np.uint8, 1, "why decimated depth is missing", None, "", None, True),

@@ -13,7 +13,8 @@ from markupsafe import Markup
 from materials.catalog import material
 from materials.input_error import InputError
 from render.bsdf import is_diffuse
-from render.causes import GROUPS, HOLES, LEGEND, Cause, members
+from render.burst_outcome import LEAST_FALSE
+from render.causes import HOLES, LEGEND, Cause, members
 from studies.cases import output_errors, write_atomically
 from studies.command_line import parse
 from studies.console import say, say_json
@@ -22,7 +23,7 @@ from studies.dataset.folders import existing_dataset
 from studies.dataset.gathered import Gathered, gather
 from studies.dataset.reader import Dataset, View
 from studies.dataset.statistics import BIN_DEG, FALSE_DEPTH
-from studies.images import coloured_depth, data_uri, photo_uri
+from studies.images import MM, coloured_depth, data_uri, photo_uri
 from studies.report.stacked_figure import StackedRow, stacked_figure
 from studies.report.templates import asset, environment
 
@@ -30,6 +31,10 @@ PROGRAM = "franbv dataset show"
 HELP = "Make a contact sheet (HTML) and statistics of a dataset: hole causes by material and angle."
 MOST_MATERIALS = 40
 """Bars of the figure (choice: a page long)."""
+FEWEST_PIXELS = 100
+"""Below this many a share is not told (choice: its standard error would exceed 5 %)."""
+PIECES = (*HOLES, *FALSE_DEPTH)
+"""Labels of pictures and bars, in one legend."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +82,20 @@ def headline(data: Gathered) -> dict[str, Any]:
         "false_share": counts.pixels(labels=FALSE_DEPTH) / whole,
         "reflection_share": counts.pixels(labels=members("reflection")) / whole,
         "unexplained_share": counts.pixels(labels=[Cause.UNEXPLAINED]) / whole,
+        **{f"image_{name}": share for name, share in _image_shares(data).items()},
     }
+
+
+def _image_shares(data: Gathered) -> dict[str, float]:
+    """The same shares of all pixels."""
+    counts, whole = data.counts, max(data.counts.pixels(everywhere=True), 1)
+    labels = {
+        "hole_share": HOLES,
+        "false_share": FALSE_DEPTH,
+        "reflection_share": members("reflection"),
+        "unexplained_share": [Cause.UNEXPLAINED],
+    }
+    return {name: counts.pixels(labels=kinds, everywhere=True) / whole for name, kinds in labels.items()}
 
 
 def page_html(root: Path, n_shown: int) -> str:
@@ -93,11 +111,14 @@ def page_html(root: Path, n_shown: int) -> str:
             views=data.views,
             lead=_lead(data),
             tiles=list(_tiles(headline(data))),
-            legend=[(LEGEND[cause].name, css(LEGEND[cause].colour)) for cause in (*HOLES, *FALSE_DEPTH)],
+            legend=[(words(cause), css(LEGEND[cause].colour), LEGEND[cause].meaning) for cause in PIECES],
             rows=[sheet_row(dataset[index]) for index in shown],
-            groups=[(name, colour) for name, colour, _ in pieces()],
             by_material=material_figure(data),
             by_angle=angle_figure(data),
+            bins=[f"{BIN_DEG * k} to {BIN_DEG * (k + 1)} deg" for k in range(90 // BIN_DEG)],
+            by_both=list(material_rows(data)),
+            fewest=FEWEST_PIXELS,
+            least_false=f"{MM * LEAST_FALSE:g}",
             style=Markup(asset("style.css")),
         )
     )
@@ -113,13 +134,14 @@ def _lead(data: Gathered) -> str:
 
 def _tiles(figures: dict[str, Any]) -> Iterable[tuple[str, str, str]]:
     yield str(figures["views"]), "views", f"{figures['scenes']} scenes"
-    for key, name, against in (
-        ("hole_share", "without depth", "of the objects' pixels"),
-        ("reflection_share", "lost to reflection", "of the objects' pixels"),
-        ("false_share", "false depth", "of the objects' pixels"),
-        ("unexplained_share", "unexplained", "of the objects' pixels"),
+    for key, name in (
+        ("hole_share", "without depth"),
+        ("reflection_share", "lost to reflection"),
+        ("false_share", "false depth"),
+        ("unexplained_share", "unexplained"),
     ):
-        yield f"{100 * figures[key]:.1f} %", name, against
+        everywhere = f"of the objects' pixels; {100 * figures[f'image_{key}']:.1f} % of all pixels"
+        yield f"{100 * figures[key]:.1f} %", name, everywhere
 
 
 def sheet_row(view: View) -> dict[str, Any]:
@@ -132,9 +154,10 @@ def sheet_row(view: View) -> dict[str, Any]:
     far += 0.3 * (far - near) + 0.02  # so that the table around is not all dark
     objects = ", ".join(f"{thing['object']} ({thing['material']})" for thing in draw["objects"])
     return {
-        "name": f"{view.folder.name} / {view.number}",
-        "words": f"{objects}; {draw['lamps']} lamps, {draw['laser_mw']:.0f} mW; {drawn['elevation_deg']:.0f} deg up, "
-        f"{1000 * drawn['distance_m']:.0f} mm away",
+        "name": f"Scene {int(view.folder.name)}, view {view.number}",
+        "words": f"{objects}; lamps: {draw['lamps']}; laser {draw['laser_mw']:.0f} mW; from "
+        f"{drawn['elevation_deg']:.0f} deg above the table, {MM * drawn['distance_m']:.0f} mm away. Colours of depth: "
+        f"{MM * near:.0f} mm bright, {MM * far:.0f} mm and beyond dark.",
         "pictures": [
             ("Left infrared image", photo_uri(view.gray)),
             ("Depth", data_uri(coloured_depth(depth, near, far))),
@@ -160,16 +183,21 @@ def incidence_picture(view: View) -> UInt8[np.ndarray, "h w"]:
     return np.nan_to_num(255 * (1 - view.incidence / (np.pi / 2)), nan=0.0).clip(0, 255).astype(np.uint8)
 
 
-def pieces() -> list[tuple[str, str, tuple[Cause, ...]]]:
-    """Name, colour and labels of a bar's pieces: groups of causes, but reflection by its kinds, then false depth."""
-    found: list[tuple[str, str, tuple[Cause, ...]]] = []
-    for group in ("reflection", *(name for name in GROUPS if name != "reflection")):
-        kinds = members(group)
-        if group == "reflection":
-            found += [(LEGEND[kind].name, css(LEGEND[kind].colour), (kind,)) for kind in kinds]
-        else:
-            found.append((group, css(LEGEND[kinds[0]].colour), kinds))
-    return [*found, *((LEGEND[kind].name, css(LEGEND[kind].colour), (kind,)) for kind in FALSE_DEPTH)]
+def words(cause: Cause) -> str:
+    """Its name for people."""
+    return LEGEND[cause].name.replace("_", " ")
+
+
+def material_rows(data: Gathered) -> Iterable[tuple[str, list[tuple[str, str]]]]:
+    """Of each material: share of its objects' pixels without depth in each bin of incidence, and a colour for it."""
+    for number in data.counts.materials()[:MOST_MATERIALS]:
+        cells = []
+        for k in range(90 // BIN_DEG):
+            whole = data.counts.pixels(material=number, angle=k)
+            share = data.counts.pixels(material=number, angle=k, labels=HOLES) / max(whole, 1)
+            told = whole >= FEWEST_PIXELS
+            cells.append((f"{100 * share:.0f} %" if told else "", f"rgba(200, 69, 59, {0.75 * share * told:.2f})"))
+        yield data.materials[number - 1], cells
 
 
 def material_figure(data: Gathered) -> Markup:
@@ -193,7 +221,8 @@ def _row(data: Gathered, name: str, numbers: list[int], angle: int | None) -> St
         return sum(data.counts.pixels(material=number, angle=angle, labels=labels) for number in numbers)
 
     whole = count()
-    return StackedRow(name, whole, [(what, colour, count(labels) / max(whole, 1)) for what, colour, labels in pieces()])
+    pieces = [(words(cause), css(LEGEND[cause].colour), count([cause]) / max(whole, 1)) for cause in PIECES]
+    return StackedRow(name, whole, pieces)
 
 
 def css(colour: tuple[int, int, int]) -> str:

@@ -40,10 +40,15 @@ class Counts:
         return cls(np.column_stack([keys, pixels]))
 
     def pixels(
-        self, *, material: int | None = None, angle: int | None = None, labels: Iterable[int] | None = None
+        self,
+        *,
+        material: int | None = None,
+        angle: int | None = None,
+        labels: Iterable[int] | None = None,
+        everywhere: bool = False,
     ) -> int:
-        """Pixels of objects of this material, bin of incidence and any of these labels; None = all."""
-        keep = self.rows[:, 2] == 1
+        """Pixels of this material, bin of incidence and any of these labels, None = all; of objects, or everywhere."""
+        keep = np.full(len(self.rows), True) if everywhere else self.rows[:, 2] == 1
         for column, wanted in ((0, material), (1, angle)):
             if wanted is not None:
                 keep &= self.rows[:, column] == wanted

@@ -1,4 +1,4 @@
-"""Stacked bars: of each row the shares that add up to something, over one axis of percent."""
+"""Stacked bars: of each row the shares of a whole, over an axis from 0 to 100 %; what is left of the whole is pale."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,9 +24,8 @@ class StackedRow:
 
 def stacked_figure(title: str, rows: Sequence[StackedRow], axis: str, counted: str) -> Markup:
     """All rows. axis: what the shares are of. counted: unit of the counts at the right."""
-    most = max([sum(share for *_, share in row.shares) for row in rows] + [0.05])
     bottom = TOP + ROW * len(rows)
-    x = svg.Scale(0, 100 * most, LEFT, WIDTH - RIGHT)
+    x = svg.Scale(0, 100, LEFT, WIDTH - RIGHT)
     return svg.figure(
         WIDTH,
         bottom + BOTTOM,
@@ -37,7 +36,8 @@ def stacked_figure(title: str, rows: Sequence[StackedRow], axis: str, counted: s
 
 
 def _row(row: StackedRow, y: float, x: svg.Scale, counted: str) -> Markup:
-    pieces, start = [], 0.0
+    whole = svg.element("rect", x=x(0), y=y + 3, width=x(100) - x(0), height=ROW - 6, fill="#eeebe6")
+    pieces, start = [whole], 0.0
     for name, colour, share in row.shares:
         left, right = x(100 * start), x(100 * (start + share))
         bar = svg.element("rect", x=left, y=y + 3, width=max(right - left, 0.0), height=ROW - 6, fill=colour)
