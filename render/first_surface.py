@@ -74,6 +74,9 @@ class FirstSurface:
     light: ProjectorLight
     intrinsics: Intrinsics
     T_world_imager: RigidTransform
+    lamp_light: dict[tuple[int, int, int], tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+    """What the lamps' light was for the scene that was rendered last, for `render.smooth_light`: albedo of its points
+    (0 = not Lambertian) and their radiance [W m^-2 sr^-1], by stride, points on every lamp, and seed."""
     _dots: dict[tuple[int, int], Dots] = field(default_factory=dict)
 
     @property

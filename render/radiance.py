@@ -67,7 +67,7 @@ def _render(
     else:
         dots = first.dots(sampling.subpixels, seed)
         from_projector, glossy = dots.on(world)
-        smooth = smooth_light(world, first.light, first.surface, first.imager, sampling, seed, known)
+        smooth = smooth_light(world, first, sampling, seed, known)
         layers = np.stack([from_projector, dots.lamps_seen]) + smooth.layers
     pixels, flat = np.flatnonzero(glossy), layers.reshape(2, -1)
     whole = partial(_whole_paths, world, first, smooth, sampling, seed)

@@ -5,7 +5,6 @@ Rubinstein and Clear 1988). It looks alike from everywhere, so what one imager k
 and the light paths that come from metal to a place that the imager sees.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -14,6 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float32
 
 from render import backend
+from render.first_surface import FirstSurface
 from render.light_paths import Imager, trace_paths
 from render.mitsuba_scene import LoadedScene
 from render.projector_light import ProjectorLight
@@ -23,9 +23,6 @@ from render.surface import SAME_SURFACE_COSINE, SurfaceMap
 REACH_PX = 4.0
 """How far from the point behind a pixel's centre that pixel's light is good for [px at the point's depth]. Choice: half
 the diagonal of a pixel, on surfaces that are seen at up to 80 deg from their normal."""
-
-Compute = Callable[[SurfaceMap], Float32[np.ndarray, "c p"]]
-"""Radiance of some channels at points on Lambertian surfaces [W m^-2 sr^-1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,54 +98,59 @@ class SmoothLight:
 
 
 def smooth_light(
-    world: LoadedScene,
-    light: ProjectorLight,
-    surface: SurfaceMap,
-    imager: Imager,
-    sampling: Sampling,
-    seed: int,
-    known: SmoothLight | None = None,
+    world: LoadedScene, first: FirstSurface, sampling: Sampling, seed: int, known: SmoothLight | None = None
 ) -> SmoothLight:
     """Compute it for all that an imager sees, by the same sampling as `known`, what another imager knows of it.
 
     Only the lamps' light is taken from there: interpolated twice, the far coarser indirect light would lose.
     """
-
-    def of_lamps(points: SurfaceMap) -> Float32[np.ndarray, "1 p"]:
-        return _lamp_light(world, points, sampling, seed)
-
-    def indirect(points: SurfaceMap) -> Float32[np.ndarray, "2 p"]:
-        return _indirect_light(world, light, points, sampling, seed)
-
-    albedo = world.albedo_of_body.numpy()
-    lamps = _interpolated(surface, sampling.lamp_stride_px, albedo, 1, of_lamps, known)
+    lamps = _light_of_lamps(world, first, sampling, seed, known)
     if sampling.max_depth < 2 and world.source.ambient_radiance == 0:  # one vertex, and nothing outside to shine
-        by_others = np.zeros((2, *surface.body.shape), np.float32)
+        by_others = np.zeros((2, *first.shape), np.float32)
     else:
-        by_others = _interpolated(surface, sampling.indirect_stride_px, albedo, 2, indirect)
-    return SmoothLight(imager, surface, lamps, by_others)
+        coarse = first.surface.every(sampling.indirect_stride_px)
+        wanted = np.flatnonzero(world.albedo_of_body.numpy()[coarse.body.ravel()] > 0)
+        fields = np.zeros((2, coarse.body.size), np.float32)
+        if len(wanted):
+            fields[:, wanted] = _indirect_light(world, first.light, coarse.points(wanted), sampling, seed)
+        by_others = _interpolated(fields, coarse, first, sampling.indirect_stride_px)
+    return SmoothLight(first.imager, first.surface, lamps, by_others)
 
 
-def _interpolated(
-    surface: SurfaceMap,
-    stride: int,
-    albedo: Float32[np.ndarray, "bodies"],
-    channels: int,
-    compute: Compute,
-    known: SmoothLight | None = None,
-) -> Float32[np.ndarray, "c h w"]:
-    """Light at every pixel from that of one pixel in `stride`: looked up where it is known, else computed."""
-    coarse = surface.every(stride)
-    fields = np.zeros((channels, coarse.body.size), np.float32)
-    wanted = albedo[coarse.body.ravel()] > 0
-    if known is not None:
+def _light_of_lamps(
+    world: LoadedScene, first: FirstSurface, sampling: Sampling, seed: int, known: SmoothLight | None
+) -> Float32[np.ndarray, "1 h w"]:
+    """At every pixel from that of one pixel in some.
+
+    Taken over where it was computed for another scene of this geometry and the body's albedo is the same, looked up
+    where the other imager knows it, else computed.
+    """
+    coarse = first.surface.every(sampling.lamp_stride_px)
+    albedo = world.albedo_of_body.numpy()[coarse.body.ravel()]
+    light, wanted = np.zeros(albedo.shape, np.float32), albedo > 0
+    how = (sampling.lamp_stride_px, sampling.lamp_points, seed)
+    if how in first.lamp_light:
+        albedo_before, light_before = first.lamp_light[how]
+        same = wanted & (albedo == albedo_before)
+        light[same] = light_before[same]
+        wanted &= ~same
+    if known is not None and wanted.any():
         seen, lamps = known.lamps_at(coarse)
-        fields[:, seen] = lamps[seen]
+        seen &= wanted
+        light[seen] = lamps[seen]
         wanted &= ~seen
     numbers = np.flatnonzero(wanted)
     if len(numbers):
-        fields[:, numbers] = compute(coarse.points(numbers))
-    return coarse.interpolated(fields.reshape(-1, *coarse.body.shape), surface, stride)
+        light[numbers] = _lamp_light(world, coarse.points(numbers), sampling, seed)[0]
+    first.lamp_light[how] = albedo, light
+    return _interpolated(light[None], coarse, first, sampling.lamp_stride_px)
+
+
+def _interpolated(
+    fields: Float32[np.ndarray, "c p"], coarse: SurfaceMap, first: FirstSurface, stride: int
+) -> Float32[np.ndarray, "c h w"]:
+    """Light at every pixel from that of one pixel in `stride`."""
+    return coarse.interpolated(fields.reshape(-1, *coarse.body.shape), first.surface, stride)
 
 
 def _lamp_light(world: LoadedScene, points: SurfaceMap, sampling: Sampling, seed: int) -> Float32[np.ndarray, "1 p"]:

@@ -116,7 +116,8 @@ def scene_cameras(config: DatasetConfig, draw: SceneDraw, built: BuiltScene) -> 
     """The camera before the scene, its twin, and every object alone."""
 
     def sampling(paths: int) -> dict[str, Any]:
-        return {"glossy_paths": paths, "refined_share": 0.0}
+        directions = config.rendering.indirect_directions
+        return {"glossy_paths": paths, "refined_share": 0.0, "indirect_directions": directions}
 
     settings = sensor_settings(config, draw)
     real = SimulatedD435i(built.scene, settings, draw.noise_seed, Sampling(**sampling(config.rendering.glossy_paths)))

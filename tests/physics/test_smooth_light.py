@@ -7,8 +7,7 @@ from franbv.frames import look_at
 from materials.fresnel import conductor_reflectance
 from materials.material import Matte, RoughConductor
 from render.dot_pattern import d435_pattern
-from render.first_surface import StereoView
-from render.light_paths import Imager
+from render.first_surface import FirstSurface, StereoView
 from render.mitsuba_scene import NO_BODY, load_scene
 from render.projector_light import ProjectorLight
 from render.radiance import render_layers, render_stereo
@@ -55,7 +54,7 @@ def test_points_are_known_where_the_imager_sees_them_and_nowhere_else(light):
     along their normal, or called another body's, are unknown."""
     world = load_scene(coupon_scene("ball", Matte("ball", 0.5), "workshop"))
     surface = surface_map(world, RIG.intrinsics, POSE)
-    smooth = smooth_light(world, light, surface, Imager.at(POSE, RIG.intrinsics), Sampling(), 0)
+    smooth = smooth_light(world, FirstSurface(world, light, RIG.intrinsics, POSE), Sampling(), 0)
     seen, radiance = smooth.lamps_at(surface)
     there = surface.body.ravel() != NO_BODY
     assert np.array_equal(seen, there)
