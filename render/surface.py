@@ -107,8 +107,9 @@ def surface_map(world: LoadedScene, intrinsics: Intrinsics, T_world_imager: Rigi
     imager = Imager.at(T_world_imager, intrinsics)
     shape = (intrinsics.height, intrinsics.width)
     index = dr.arange(mi.UInt32, shape[0] * shape[1])
-    row = index // shape[1]
-    ray = imager.ray(mi.Float(index - row * shape[1]), mi.Float(row))
+    width = dr.opaque(mi.UInt32, shape[1])  # so that every width runs the same compiled kernel
+    row = index // width
+    ray = imager.ray(mi.Float(index - row * width), mi.Float(row))
     si = world.scene.ray_intersect(ray, mi.RayFlags.All, coherent=True)
     body = world.body(si)
     hit = si.is_valid()

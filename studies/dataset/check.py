@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import tyro
 
+from materials.input_error import InputError
 from studies.command_line import parse
 from studies.console import progress_bar, say, say_json
 from studies.dataset.card import card
@@ -30,6 +31,7 @@ from studies.dataset.folders import (
     scene_name,
 )  # fmt: skip
 from studies.dataset.gathered import gather
+from studies.dataset.head import dataset_digest
 from studies.dataset.index import derived_index, scene_folders
 from studies.dataset.objects import object_pool
 from studies.workers import usable_processors
@@ -71,7 +73,7 @@ def run(args: list[str]) -> int:
     command = parse(CheckCommand, args, PROGRAM, HELP)
     root, pool = existing_dataset(command.dir), None
     if command.config is not None:
-        pool = object_pool(load_dataset_config(command.config))
+        pool = pool_of(root, load_dataset_config(command.config))
     views, problems = dataset_problems(root, pool)
     for problem in problems:
         say(problem)
@@ -82,6 +84,18 @@ def run(args: list[str]) -> int:
     if command.json:
         say_json({"views": views, "problems": len(problems)})
     return 1 if problems else 0
+
+
+def pool_of(root: Path, config: DatasetConfig) -> Pool:
+    """The objects of the configuration that the dataset was made from; InputError if it was made from another one."""
+    try:
+        top = read_json(root / DATASET)
+        same = top["digest"] == dataset_digest(config.model_copy(update={"views": top["config"]["views"]}))
+    except UNREADABLE:
+        same = True  # what is wrong with the dataset is the check's to say
+    if not same:
+        raise InputError(f"{root}: was not made from this configuration; give the one that it was made from")
+    return object_pool(config)
 
 
 def needs_cad(root: Path) -> bool:

@@ -150,21 +150,37 @@ def label_images(labels: Labels) -> dict[str, UInt8[np.ndarray, "..."]]:
 def silhouette(
     world: LoadedScene, intrinsics: Intrinsics, pose: RigidTransform, visible: Bool[np.ndarray, "h w"]
 ) -> Silhouette:
-    """Shoot the pixels' centre rays at the object alone, on a canvas of three images' width and height if it reaches
-    beyond the image (as BOP counts)."""
+    """Shoot the pixels' centre rays at the object alone, on a canvas of three images' width and height, where it
+    reaches beyond the image too (as BOP counts)."""
+    left, top, width, height = canvas_window(world, intrinsics, pose)
+    inner = visible.copy()  # a ray along an edge may hit in one scene and miss in the other
+    if width == 0 or height == 0:
+        return Silhouette(inner, (-1, -1, -1, -1), 0)
+    seen = surface_map(world, intrinsics.cropped(left, top, width, height), pose).body != NO_BODY
+    rows = slice(max(top, 0), max(min(top + height, intrinsics.height), 0))
+    columns = slice(max(left, 0), max(min(left + width, intrinsics.width), 0))
+    overlap = inner[rows, columns]
+    first_row, first_column = rows.start - top, columns.start - left
+    overlap |= seen[first_row : first_row + overlap.shape[0], first_column : first_column + overlap.shape[1]]
+    x, y, w, h = bounding_box(seen)
+    box = (x + left, y + top, w, h) if w > 0 else (x, y, w, h)
+    return Silhouette(inner, box, int(np.count_nonzero(seen)))
+
+
+def canvas_window(world: LoadedScene, intrinsics: Intrinsics, pose: RigidTransform) -> tuple[int, int, int, int]:
+    """Left, top, width and height of the part of the canvas that the object can be seen in [px of the image].
+
+    All of it where the object reaches behind the camera.
+    """
     k = intrinsics
     points = pose.inv().apply(np.concatenate([body.mesh.vertices for body in world.source.bodies]))
-    ahead = points[:, 2] > 1e-3
-    uv = points[ahead, :2] / points[ahead, 2:] * [k.fx, k.fy] + [k.cx, k.cy]
-    within = ahead.all() and bool(np.all((uv >= -0.5) & (uv < [k.width - 0.5, k.height - 0.5])))
-    margin = (0, 0) if within else (k.width, k.height)
-    canvas = k.cropped(-margin[0], -margin[1], k.width + 2 * margin[0], k.height + 2 * margin[1])
-    seen = surface_map(world, canvas, pose).body != NO_BODY
-    inner = seen[margin[1] : margin[1] + k.height, margin[0] : margin[0] + k.width]
-    inner |= visible  # a ray along an edge may hit in one scene and miss in the other
-    x, y, w, h = bounding_box(seen)
-    box = (x - margin[0], y - margin[1], w, h) if w > 0 else (x, y, w, h)
-    return Silhouette(inner, box, int(np.count_nonzero(seen)))
+    low, high = np.array([-k.width, -k.height]), np.array([2 * k.width, 2 * k.height])
+    if np.all(points[:, 2] > 1e-3):
+        uv = points[:, :2] / points[:, 2:] * [k.fx, k.fy] + [k.cx, k.cy]
+        ends = np.clip([np.floor(uv.min(axis=0)), np.ceil(uv.max(axis=0)) + 1], low, high)
+        low, high = ends.astype(int)
+    left, top, right, bottom = (int(x) for x in (*low, *high))
+    return left, top, right - left, bottom - top
 
 
 def bounding_box(mask: Bool[np.ndarray, "h w"]) -> tuple[int, int, int, int]:

@@ -162,3 +162,23 @@ def test_the_mend_is_said(dataset: Path, capsys: pytest.CaptureFixture):
     assert main(["dataset", "check", str(dataset)]) == 1
     said = capsys.readouterr().out
     assert "To mend it: delete train/000001, README.md, then give the `make` command again" in said
+
+
+def test_the_configuration_may_be_given_and_must_be_the_dataset_s_own(
+    small_config: Path, small_dataset: Path, tmp_path: Path, capsys: pytest.CaptureFixture
+):
+    """It brings the CAD files; with another one, scenes would be drawn that nobody asked for."""
+    assert main(["dataset", "check", str(small_dataset), "--config", str(small_config)]) == 0
+    other = tmp_path / "other.yaml"
+    other.write_text(small_config.read_text().replace("seed: 3", "seed: 4"))
+    assert main(["dataset", "check", str(small_dataset), "--config", str(other)]) == 2
+    assert "was not made from this configuration" in capsys.readouterr().err
+
+
+def test_without_cad_files_the_rest_is_checked(dataset: Path, monkeypatch: pytest.MonkeyPatch):
+    """No pool, so no draw: a sound dataset stays sound, and images that do not fit are found all the same."""
+    monkeypatch.setattr("studies.dataset.check.object_pool", lambda _: None)
+    assert dataset_problems(dataset)[1] == []
+    path = dataset / "train/000000/scene_gt_info.json"
+    path.write_text(path.read_text().replace('"visib_fract": ', '"visib_fract": 1'))
+    assert dataset_problems(dataset)[1]
