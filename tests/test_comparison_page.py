@@ -1,0 +1,49 @@
+"""`docs/comparison.md`: its commands can be given, and its table does not contradict itself."""
+
+import re
+
+import pytest
+
+from studies.ablation import ABLATIONS
+from studies.command_line import parse
+from studies.comparison import ComparisonCommand
+from studies.comparison_preset import PRESETS
+from studies.link_change import LINKS
+from tests.conftest import ROOT
+
+TEXT = (ROOT / "docs" / "comparison.md").read_text()
+ROUNDING = 0.1 + 1e-9
+"""Of the difference of two figures with one decimal."""
+
+
+def test_its_commands_can_be_given():
+    """Presets, ablations and links by names that there are."""
+    commands = re.findall(r"^    franbv study comparison (.*?)(?:\s+#.*)?$", TEXT, re.MULTILINE)
+    assert len(commands) == 3
+    for command in commands:
+        given = parse(ComparisonCommand, command.split(), "franbv study comparison", "")
+        assert given.preset in PRESETS
+        assert set(given.ablations) <= set(ABLATIONS)
+        assert set(given.links) <= set(LINKS)
+
+
+def rows():
+    """Part, coverages of FRA, PB and RE, and how far FRA is ahead of the others at the end."""
+    for line in TEXT.splitlines():
+        cells = [cell.strip().replace("\u2212", "-") for cell in line.strip("|").split("|")]
+        if len(cells) == 9 and re.fullmatch(r"[\d.]+", cells[1]):
+            ahead = [float(cells[k].split(" (")[0]) for k in (4, 6)]
+            yield cells[0], [float(cell) for cell in cells[1:4]], ahead
+
+
+@pytest.mark.parametrize(("part", "covered", "ahead"), list(rows()), ids=[row[0] for row in rows()])
+def test_its_differences_are_those_of_its_means(part, covered, ahead):
+    """All methods have the same starts, so the mean of the differences is the difference of the means."""
+    fra, pb, re_ = covered
+    assert ahead[0] == pytest.approx(fra - pb, abs=ROUNDING)
+    assert ahead[1] == pytest.approx(fra - re_, abs=ROUNDING)
+
+
+def test_its_table_has_every_part():
+    """Four parts and the corner."""
+    assert len(list(rows())) == 5
