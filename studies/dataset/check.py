@@ -127,7 +127,7 @@ def dataset_problems(root: Path, pool: Pool | None = None) -> tuple[int, list[st
             progress.update(task, advance=1)
     makers = Counter(check.made_by for check in checks if check.made_by)
     if len(makers) > 1:
-        problems.append(f"{SPLIT}: scenes were made by different renderers or versions: {'; '.join(sorted(makers))}")
+        problems.append(f"{SPLIT}: scenes were made by different renderers or versions: {' and '.join(sorted(makers))}")
     problems += derived_problems(root, sorted(there))
     return sum(check.views for check in checks), [line(problem) for problem in problems]
 

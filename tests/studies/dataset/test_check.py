@@ -173,12 +173,3 @@ def test_the_configuration_may_be_given_and_must_be_the_dataset_s_own(
     other.write_text(small_config.read_text().replace("seed: 3", "seed: 4"))
     assert main(["dataset", "check", str(small_dataset), "--config", str(other)]) == 2
     assert "was not made from this configuration" in capsys.readouterr().err
-
-
-def test_without_cad_files_the_rest_is_checked(dataset: Path, monkeypatch: pytest.MonkeyPatch):
-    """No pool, so no draw: a sound dataset stays sound, and images that do not fit are found all the same."""
-    monkeypatch.setattr("studies.dataset.check.object_pool", lambda _: None)
-    assert dataset_problems(dataset)[1] == []
-    path = dataset / "train/000000/scene_gt_info.json"
-    path.write_text(path.read_text().replace('"visib_fract": ', '"visib_fract": 1'))
-    assert dataset_problems(dataset)[1]

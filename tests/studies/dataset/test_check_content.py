@@ -251,4 +251,16 @@ def test_scenes_of_different_versions_are_found(dataset: Path):
     """Their bytes need not agree with each other."""
     _edit_json(dataset / "train/000001/manifest.json", lambda c: c.update(renderer="another"))
     write_index(dataset, scene_folders(dataset))
-    assert any("different renderers or versions: another" in problem for problem in dataset_problems(dataset)[1])
+    assert any(
+        "different renderers or versions: renderer another" in problem for problem in dataset_problems(dataset)[1]
+    )
+
+
+def test_without_cad_files_the_rest_is_checked(dataset: Path, monkeypatch: pytest.MonkeyPatch):
+    """No pool, so no draw: a sound dataset stays sound, and what images say is found all the same."""
+    monkeypatch.setattr("studies.dataset.check.object_pool", lambda _: None)
+    assert dataset_problems(dataset)[1] == []
+    _edit_json(dataset / "train/000000/scene_gt_info.json", lambda c: c["0"][0].update(px_count_valid=1))
+    assert _found(dataset, "px_count_valid is 1, not")
+    _edit_json(dataset / "models/models_info.json", lambda c: c["1"].update(diameter=1.0))
+    assert _found(dataset, "is not as large as models_info.json says")
