@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float
 
 from franbv.frames import Intrinsics
 from materials.catalog import material
+from materials.user_materials import UserMaterials
 from render.burst_outcome import INVALID_SHARE, LEAST_FALSE, SIGMAS, SUBPIXEL_RMS
 from render.causes import HOLES, Cause
 from render.rig import Rig
@@ -31,12 +32,14 @@ camera's own specification is 2 %)."""
 Images = Mapping[str, np.ndarray]
 
 
-def view_faults(images: Images, bodies: list[dict[str, Any]], rig: Rig, n_frames: int) -> Iterator[Fault]:
+def view_faults(
+    images: Images, bodies: list[dict[str, Any]], user: UserMaterials, rig: Rig, n_frames: int
+) -> Iterator[Fault]:
     """All faults of one view's images, which have the right sizes and types."""
     for suffix in ("", "_decimated"):
         yield from label_faults(images, suffix)
     yield from depth_faults(images, rig, n_frames)
-    yield from truth_faults(images, bodies, rig.intrinsics)
+    yield from truth_faults(images, bodies, user, rig.intrinsics)
 
 
 def label_faults(images: Images, suffix: str) -> Iterator[Fault]:
@@ -78,7 +81,7 @@ def false_limit(true: Float[np.ndarray, "h w"], rig: Rig) -> Float[np.ndarray, "
     return np.maximum(LEAST_FALSE, SIGMAS * SUBPIXEL_RMS * true**2 / rig.focal_baseline)
 
 
-def truth_faults(images: Images, bodies: list[dict[str, Any]], k: Intrinsics) -> Iterator[Fault]:
+def truth_faults(images: Images, bodies: list[dict[str, Any]], user: UserMaterials, k: Intrinsics) -> Iterator[Fault]:
     """All true maps say the same of every pixel."""
     body = images["body"]
     there = body > 0
@@ -93,8 +96,8 @@ def truth_faults(images: Images, bodies: list[dict[str, Any]], k: Intrinsics) ->
         if np.any(present != there):
             yield name, "says that something is there where the body map says nothing, or the other way round"
             return
-    made_of = [material(entry["material"]) for entry in bodies]
-    classes = np.array([0, *map(material_class, made_of)])
+    made_of = [material(entry["material"], user) for entry in bodies]
+    classes = np.array([0, *(material_class(m, user) for m in made_of)])
     if np.any(images["material"] != classes[body]):
         yield "material", "is not that of the body"
     for place, name in enumerate(("roughness_u", "roughness_v")):

@@ -45,7 +45,7 @@ def silhouette_fault(
     """What cannot be of the box and the number of pixels of an object with these corners in the world [m].
 
     Inside the image both follow from the mask. Beyond it, on a canvas of three images' width and height, the box ends
-    where the outermost corners are seen, and holds no more pixels than fit in.
+    where the outermost corners are seen, short of those off the canvas, and holds no more pixels than fit in.
     """
     inside = int(np.count_nonzero(stated.mask))
     x, y, w, h = stated.box
@@ -59,8 +59,11 @@ def silhouette_fault(
     if np.any(points[:, 2] <= 1e-3):  # what is beside or behind the camera has no outline
         return None
     size = np.array([k.width, k.height])
-    outline = np.clip(np.stack([(uv := project(points, k)).min(axis=0), uv.max(axis=0)]), -size, 2 * size - 1)
-    corners = np.array([[x, y], [x + w - 1, y + h - 1]])
-    if w > 0 and np.abs(corners - outline).max() > TIP_PX:
+    uv = project(points, k)
+    outline = np.clip(np.stack([uv.min(axis=0), uv.max(axis=0)]), -size, 2 * size - 1)
+    apart = np.array([[x, y], [x + w - 1, y + h - 1]]) - outline
+    if np.any((uv < -size) | (uv > 2 * size - 1)):  # what is off the canvas may be wider than what is on it
+        apart = np.stack([np.minimum(apart[0], 0), np.maximum(apart[1], 0)])
+    if w > 0 and np.abs(apart).max() > TIP_PX:
         return "bbox_obj is not where the model is seen"
     return None

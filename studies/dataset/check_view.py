@@ -95,7 +95,7 @@ def check_view(scene: SceneSaid, view: ViewSaid) -> tuple[list[tuple[str, str]],
 def image_faults(scene: SceneSaid, number: int, images: Images) -> Iterator[Fault]:
     """What the images say against each other, the pose and the bodies."""
     rig, config = scene.rig, scene.config
-    faults = list(view_faults(images, scene.bodies, rig, config.n_frames))
+    faults = list(view_faults(images, scene.bodies, config.materials.of_user, rig, config.n_frames))
     yield from faults
     frames = read_frames(scene, number, images["depth"])
     if frames is not None:

@@ -12,7 +12,6 @@ import pytest
 from render.exposure import auto_exposure, electrons_per_radiance, mean_electrons
 from render.imager import expose, expose_burst
 from render.imager_settings import ImagerSettings
-from render.matcher import Window
 
 SHAPE = (120, 640)
 """Rows of a 640-column stream: 2 x 2 native pixels are averaged."""
@@ -181,8 +180,10 @@ def test_auto_exposure_looks_at_its_region():
     """A dark region in a bright image gets the longer exposure: in proportion, as nothing else differs."""
     ambient = np.full((360, 640), 0.05, np.float32)
     ambient[100:200, 100:300] /= 2
-    inside, _ = auto_exposure(dark((360, 640)), ambient, FLAT, Window(120, 120, 160, 60))
-    outside, _ = auto_exposure(dark((360, 640)), ambient, FLAT, Window(400, 120, 160, 60))
+    inner, outer = np.zeros((2, 360, 640), bool)
+    inner[120:180, 120:280] = outer[120:180, 400:560] = True
+    inside, _ = auto_exposure(dark((360, 640)), ambient, FLAT, inner)
+    outside, _ = auto_exposure(dark((360, 640)), ambient, FLAT, outer)
     assert inside / outside == pytest.approx(2.0, rel=1e-3)
 
 
