@@ -20,7 +20,7 @@ def drawn_again(config: DatasetConfig, pool: Pool, scene: int) -> tuple[SceneDra
     """What the scene must be."""
     with _DRAWING:
         draw = draw_scene(config, pool, scene)
-        return draw, build_scene(draw, pool)
+        return draw, build_scene(draw, pool, config.materials.of_user)
 
 
 def draw_faults(scene: dict[str, Any], config: DatasetConfig, again: SceneDraw, built: BuiltScene) -> Iterator[str]:

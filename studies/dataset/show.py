@@ -209,7 +209,8 @@ def material_figure(data: Gathered) -> Markup:
 
 def angle_figure(data: Gathered) -> Markup:
     """One bar for each bin of incidence, over all materials that are not matte."""
-    numbers = [n for n in data.counts.materials() if not is_diffuse(material(data.materials[n - 1]))]
+    user = data.config.materials.of_user
+    numbers = [n for n in data.counts.materials() if not is_diffuse(material(data.materials[n - 1], user))]
     rows = [
         _row(data, f"{BIN_DEG * k} to {BIN_DEG * (k + 1)} deg", numbers, k) for k in range(90 // BIN_DEG)
     ]  # fmt: skip

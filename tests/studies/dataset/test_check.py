@@ -25,6 +25,19 @@ def test_a_sound_dataset_has_no_problem(small_dataset: Path, capsys: pytest.Capt
     assert json.loads(capsys.readouterr().out.splitlines()[-1]) == {"views": 4, "problems": 0}
 
 
+def test_materials_of_the_user_are_known(small_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
+    """A dataset of a metal that only its configuration knows is sound, and can be shown."""
+    metals = "  metals: {brass: 1, iron: 1}"
+    assert metals in small_config.read_text()
+    own = "  user: {mine: {kind: metal, n: 2.9, k: 4.4, valid_nm: [400, 1000], source: a test}}\n  metals: {mine: 1}"
+    config, root = tmp_path / "own.yaml", tmp_path / "own"
+    config.write_text(small_config.read_text().replace(metals, own).replace("views: 4", "views: 1"))
+    assert main(["dataset", "make", str(config), str(root), "--workers", "1"]) == 0
+    assert main(["dataset", "check", str(root)]) == 0
+    assert main(["dataset", "show", str(root)]) == 0
+    assert "mine:" in (root / "README.md").read_text()
+
+
 def flip_a_bit(root: Path, rng: np.random.Generator) -> None:
     """Of any file, anywhere in it."""
     path = _pick(_files(root), rng)
