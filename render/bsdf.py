@@ -8,17 +8,13 @@ from render.conductor import conductor_description
 from render.measured_bsdf import measured_description
 
 
-def bsdf_description(material: Material) -> dict[str, Any]:
-    """Mitsuba dictionary of the material, seen alike from both sides (user meshes may be open or turned)."""
-    return {"type": "twosided", "bsdf": _one_sided(material)}
-
-
 def is_diffuse(material: Material) -> bool:
     """Whether the surface is Lambertian, so that its indirect light is smooth across the surface."""
     return isinstance(material, Matte)
 
 
-def _one_sided(material: Material) -> dict[str, Any]:
+def bsdf_description(material: Material) -> dict[str, Any]:
+    """Mitsuba dictionary of the material as seen from its upper side."""
     match material:
         case Matte(reflectance=reflectance):
             return {"type": "diffuse", "reflectance": _constant(reflectance)}
@@ -41,7 +37,7 @@ def _conductor(metal: RoughConductor) -> dict[str, Any]:
     bare = conductor_description(metal)
     if metal.oxide_share == 0:
         return bare
-    oxide = {"type": "diffuse", "reflectance": _constant(metal.oxide_reflectance)}
+    oxide = bsdf_description(Matte("oxide", metal.oxide_reflectance))
     return {"type": "blendbsdf", "weight": metal.oxide_share, "bare": bare, "oxide": oxide}
 
 

@@ -189,7 +189,7 @@ class SimulatedD435i:
         """
         other = copy.copy(self)
         if scene is not None:
-            other.world = load_scene(scene)
+            other.world = load_scene(scene, self.world)
             if not scene.has_geometry_of(self.world.source):
                 other._view = {}
         if imager is not None:

@@ -126,7 +126,7 @@ def trace_paths(
         links = [lamp.connection(si.p, u[2], u[3]) for lamp in world.lamps]
         directions = [si.to_local(towards), *(si.to_local(direction) for _, direction, _ in links)]
         values, onwards, bsdf_pdf, weight = _scatter(
-            si, directions, u[4], mi.Point2f(u[0], u[1]), connected, scattering & ~known, albedo
+            si, world.bsdf(body), directions, u[4], mi.Point2f(u[0], u[1]), connected, scattering & ~known, albedo
         )
 
         footprint = _footprint(si, ray, towards, distance2, spread) if filtered else mi.Float(0)
@@ -208,33 +208,37 @@ def _chosen_lamp(
 
 
 def _scatter(
-    si: Any, directions: list[Any], u: Any, v: Any, connected: Any, scattering: Any, albedo: Any
+    si: Any, bsdf: Any, directions: list[Any], u: Any, v: Any, connected: Any, scattering: Any, albedo: Any
 ) -> tuple[list[tuple[Any, Any]], Any, Any, Any]:
     """All that a vertex asks of its surface: one dynamic call for the glossy ones, a formula for the Lambertian ones.
 
+    Surfaces look alike from both sides (user meshes may be open or turned). bsdf: null where they are Lambertian.
     albedo: of the Lambertian surfaces, 0 = glossy. Returns (value times cosine, density) for each local direction of
     light, and a sampled local direction with its density and its weight.
     """
     mi = backend.mitsuba()
     import drjit as dr
 
-    context, side = mi.BSDFContext(), dr.sign(si.wi.z)
+    def turned(w):
+        return mi.Vector3f(w.x, w.y, dr.mulsign(w.z, side))
 
     def ask(bsdf, si, directions, u, v, connected, scattering):
         pairs = [bsdf.eval_pdf(context, si, wo, connected) for wo in directions]
         sampled, weight = bsdf.sample(context, si, u, v, scattering)
         return [(value.x, pdf) for value, pdf in pairs], sampled.wo, sampled.pdf, weight.x
 
-    matte = albedo > 0
-    surface = dr.select(matte, dr.zeros(mi.BSDFPtr), si.bsdf())
-    glossy = dr.dispatch(surface, ask, si, directions, u, v, connected & ~matte, scattering & ~matte)
-    lobes = [dr.inv_pi * dr.maximum(direction.z * side, 0) for direction in directions]
+    context, side, matte = mi.BSDFContext(), mi.Float(si.wi.z), albedo > 0
+    upper = mi.SurfaceInteraction3f(si)
+    upper.wi = turned(si.wi)
+    directions = [turned(direction) for direction in directions]
+    glossy = dr.dispatch(bsdf, ask, upper, directions, u, v, connected & ~matte, scattering & ~matte)
+    lobes = [dr.inv_pi * dr.maximum(direction.z, 0) for direction in directions]
     upwards = mi.warp.square_to_cosine_hemisphere(v)
     values = [
         (dr.select(matte, albedo * lobe, value), dr.select(matte, lobe, pdf))
         for lobe, (value, pdf) in zip(lobes, glossy[0], strict=True)
     ]
-    onwards = dr.select(matte, mi.Vector3f(upwards.x, upwards.y, upwards.z * side), glossy[1])
+    onwards = turned(dr.select(matte, upwards, glossy[1]))
     return values, onwards, dr.select(matte, dr.inv_pi * upwards.z, glossy[2]), dr.select(matte, albedo, glossy[3])
 
 

@@ -32,7 +32,7 @@ def test_sampling_agrees_with_density():
     backend.mitsuba()
     from mitsuba.chi2 import ChiSquareTest, SphericalDomain
 
-    description = bsdf_description(RoughConductor("steel", 3.249, 4.905, 0.3, 0.5))["bsdf"]
+    description = bsdf_description(RoughConductor("steel", 3.249, 4.905, 0.3, 0.5))
     sample, pdf = _adapter(description)
     test = ChiSquareTest(domain=SphericalDomain(), sample_func=sample, pdf_func=pdf, sample_dim=3, res=51, ires=8)
     assert test.run()
@@ -66,7 +66,7 @@ def test_compensation_is_reciprocal():
     mi = backend.mitsuba()
     import drjit as dr
 
-    bsdf = mi.load_dict(bsdf_description(RoughConductor("steel", 3.249, 4.905, 0.2, 0.5))["bsdf"])
+    bsdf = mi.load_dict(bsdf_description(RoughConductor("steel", 3.249, 4.905, 0.2, 0.5)))
     rng = np.random.default_rng(3)
     a, b = (mi.warp.square_to_uniform_hemisphere(mi.Point2f(rng.random((2, 500)).astype(np.float32))) for _ in range(2))
     values = []
@@ -79,5 +79,5 @@ def test_compensation_is_reciprocal():
 
 def test_smooth_metal_stays_mitsubas_own():
     """A polished metal loses under 1 % between its facets and needs no second lobe."""
-    assert bsdf_description(RoughConductor("steel", 3.249, 4.905, 0.03, 0.03))["bsdf"]["type"] == "roughconductor"
-    assert bsdf_description(Matte("matte", 0.5))["bsdf"]["type"] == "diffuse"
+    assert bsdf_description(RoughConductor("steel", 3.249, 4.905, 0.03, 0.03))["type"] == "roughconductor"
+    assert bsdf_description(Matte("matte", 0.5))["type"] == "diffuse"
