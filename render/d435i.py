@@ -23,7 +23,7 @@ from render.matcher import StereoMatcher, Window
 from render.matchers import matcher_by_name
 from render.mitsuba_scene import load_scene
 from render.projector_light import ProjectorLight
-from render.radiance import RadianceLayers, render_stereo
+from render.radiance import RadianceLayers, render_stereo, stop_at_first_surface
 from render.rig import Rig, d435i_rig
 from render.sampling import Sampling
 from render.truth import Truth, measure_truth
@@ -136,6 +136,12 @@ class SimulatedD435i:
     def render(self, T_world_cam: RigidTransform) -> tuple[RadianceLayers, RadianceLayers]:
         """Radiance at the left and the right imager for the reference laser power."""
         return render_stereo(self.world, self.view(T_world_cam), self._sampling)
+
+    def stopped_at_first_surface(
+        self, T_world_cam: RigidTransform, left: RadianceLayers, right: RadianceLayers
+    ) -> tuple[RadianceLayers, RadianceLayers]:
+        """What was rendered from there, without mirror images and mutual light."""
+        return stop_at_first_surface(self.world, self.view(T_world_cam), self._sampling, (left, right))
 
     def dots_in_shadow(self, T_world_cam: RigidTransform) -> tuple[Float32[np.ndarray, "h w"], ...]:
         """What Lambertian surfaces would send to either imager if nothing hid the projector from them, beyond what they

@@ -50,8 +50,9 @@ def matched_at_first_surface(camera: SimulatedD435i, measurement: Measurement, t
 
     Only where that changes the images at all: a highlight that stays white may be matched otherwise by chance.
     """
-    direct = camera.changed(imager=measurement.imager, max_depth=1)
-    again = direct.measure(measurement.T_world_cam, len(measurement.z16))
+    direct, pose = camera.changed(imager=measurement.imager), measurement.T_world_cam
+    layers = camera.stopped_at_first_surface(pose, measurement.left_layers, measurement.right_layers)
+    again = direct.expose(pose, *layers, len(measurement.z16))
     return is_matched_rightly(direct, again, truth) & looks_different(measurement, again, truth, camera.rig)
 
 

@@ -33,8 +33,9 @@ Gaussian reconstruction filter)."""
 
 
 SmoothRadiance = Callable[[Any, Any, Any, Any], tuple[Any, Any]]
-"""Of interactions, rays, bodies and which are asked: where it is known, and there the radiance in the projector's and
-in the ambient layer (Vector2f) [W m^-2 sr^-1]."""
+"""Of interactions, rays, bodies and which are asked: where it is known, and there a Vector3f [W m^-2 sr^-1]: the
+radiance of the projector's light and of the ambient light that came by way of other surfaces, and that of the lamps'
+own light."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +79,37 @@ class Imager:
         return fx * local.x * scale + cx, fy * local.y * scale + cy, local.z
 
 
+@dataclass
+class PathLight:
+    """What light paths bring, one value a path [W m^-2 sr^-1]."""
+
+    projector: Any
+    lamps: Any
+    projector_stopped: Any
+    """The same from paths that stop at the first surface: what that gets straight from the projector."""
+    lamps_stopped: Any
+    """Likewise straight from lamps and from outside the scene."""
+
+
+@dataclass
+class _Path:
+    """Where paths are, and what they have brought so far."""
+
+    ray: Any
+    light: PathLight
+    beta: Any
+    """What the light of the next vertex still counts."""
+    active: Any
+    vertex: Any
+    """Number of the vertex that the ray meets, from 0."""
+    pdf: Any
+    """Density of the ray's direction over solid angle [1/sr]."""
+    diffused: Any
+    """A vertex was Lambertian."""
+    spread: Any
+    """Solid angle between the samples of the lobes so far [sr]."""
+
+
 def trace_paths(
     world: LoadedScene,
     light: ProjectorLight,
@@ -90,8 +122,8 @@ def trace_paths(
     first_vertex: int = 0,
     filtered: bool = True,
     smooth: SmoothRadiance | None = None,
-) -> tuple[Any, Any]:
-    """Radiance along `ray` from the projector and from the lamps [W m^-2 sr^-1], one value a path.
+) -> PathLight:
+    """Radiance along `ray` from the projector and from the lamps.
 
     max_depth: surface vertices of a path at the most. first_vertex: number of the vertex that `ray` meets, > 0 where
     the path's earlier vertices are the caller's and Lambertian: then lamps met directly count nothing (the caller
@@ -104,60 +136,64 @@ def trace_paths(
 
     scene, n, closed = world.scene, dr.width(pixel), world.source.ambient_radiance == 0
 
-    def vertex(ray, from_projector, from_lamps, beta, active, i, pdf, diffused, spread):
-        si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=i == 0, active=active)
-        hit = active & si.is_valid()
+    def vertex(path: _Path) -> tuple[_Path]:
+        ray, met, beta, i = path.ray, path.light, path.beta, path.vertex
+        si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=i == 0, active=path.active)
+        hit = path.active & si.is_valid()
         body = world.body(si)
-        arriving = light_met(world, si, ray, body, pdf, i, diffused)
-        from_lamps += dr.select(active, beta * arriving, 0)
-        glossy, albedo = world.is_glossy(body), dr.gather(mi.Float, world.albedo_of_body, body, active)
+        arriving = light_met(world, si, ray, body, path.pdf, i, path.diffused)
+        met.lamps += dr.select(path.active, beta * arriving, 0)
+        # A path that stopped at vertex 0 has seen in it the lamps that its ray meets next.
+        met.lamps_stopped = dr.select(i <= 1, met.lamps, met.lamps_stopped)
+        glossy, albedo = world.is_glossy(body), dr.gather(mi.Float, world.albedo_of_body, body, path.active)
         scattering = hit & (i < max_depth) & (body < FIRST_LAMP)
-        connected = scattering & ~(diffused & glossy)
-        known = mi.Bool(False)
+        connected = scattering & ~(path.diffused & glossy)
+        known, stopped = mi.Bool(False), mi.Float(0)
         if smooth is not None:
             known, reflected = smooth(si, ray, body, scattering & ~glossy)
-            from_projector += dr.select(known, beta * reflected.x, 0)
-            from_lamps += dr.select(known, beta * reflected.y, 0)
+            met.projector += dr.select(known, beta * reflected.x, 0)
+            met.lamps += dr.select(known, beta * (reflected.y + reflected.z), 0)
+            # In open surroundings most of the light that comes by way of anything comes from outside.
+            stopped = dr.select(known, beta * (reflected.z if closed else reflected.y + reflected.z), 0)
 
         # Where light may come from: the projector, one point on each lamp.
         dimension = DIMENSIONS_PIXEL + DIMENSIONS_VERTEX * i
-        u = [samples.uniform(sample, pixel, dimension + k, active) for k in range(DIMENSIONS_VERTEX)]
+        u = [samples.uniform(sample, pixel, dimension + k, path.active) for k in range(DIMENSIONS_VERTEX)]
         towards, distance2 = light.connection(si.p)
         links = [lamp.connection(si.p, u[2], u[3]) for lamp in world.lamps]
         directions = [si.to_local(towards), *(si.to_local(direction) for _, direction, _ in links)]
-        values, onwards, bsdf_pdf, weight = _scatter(
+        values, onwards, pdf, weight = _scatter(
             si, world.bsdf(body), directions, u[4], mi.Point2f(u[0], u[1]), connected, scattering & ~known, albedo
         )
 
-        footprint = _footprint(si, ray, towards, distance2, spread) if filtered else mi.Float(0)
+        footprint = _footprint(si, ray, towards, distance2, path.spread) if filtered else mi.Float(0)
         f_cos, _ = values[0]
         s, cos_axis = light.white_wall_radiance(-towards, footprint, connected)
         lit = connected & (f_cos > 0) & (s > 0)
         lit &= ~scene.ray_test(si.spawn_ray_to(light.position), coherent=i == 0, active=lit)
         irradiance = dr.pi * s / fall_off(cos_axis, distance2)
-        from_projector += dr.select(lit, beta * f_cos * irradiance, 0)
+        from_projector = dr.select(lit, beta * f_cos * irradiance, 0)
 
         place, arriving = _chosen_lamp(world, links, values[1:], glossy, u[5])
         lit = connected & ~known & (arriving > 0)
         lit &= ~scene.ray_test(si.spawn_ray_to(place), coherent=i == 0, active=lit)
-        from_lamps += dr.select(lit, beta * arriving, 0)
+        from_lamps = dr.select(lit, beta * arriving, 0)
 
-        beta = beta * weight
-        i += 1
-        diffused |= ~glossy
+        met.projector += from_projector
+        met.lamps += from_lamps
+        met.projector_stopped += dr.select(i == 0, from_projector, 0)
+        met.lamps_stopped += dr.select(i == 0, from_lamps + stopped, 0)
+        diffused = path.diffused | ~glossy
         # After the last vertex a path may still meet what was not connected: a lamp seen in metal, the surroundings.
-        useful = (i < max_depth) | ~diffused if closed else mi.Bool(True)
-        active = scattering & ~known & (bsdf_pdf > 0) & (beta > 0) & useful
-        spread = spread + dr.rcp(samples.n * dr.maximum(bsdf_pdf, 1e-6))
-        return (
-            si.spawn_ray(si.to_world(onwards)), from_projector, from_lamps, beta, active, i,
-            bsdf_pdf, diffused, spread,
-        )  # fmt: skip
+        useful = (i + 1 < max_depth) | ~diffused if closed else mi.Bool(True)
+        beta = beta * weight
+        active = scattering & ~known & (pdf > 0) & (beta > 0) & useful
+        spread = path.spread + dr.rcp(samples.n * dr.maximum(pdf, 1e-6))
+        return (_Path(si.spawn_ray(si.to_world(onwards)), met, beta, active, i + 1, pdf, diffused, spread),)
 
-    state = (
+    start = _Path(
         ray,
-        dr.zeros(mi.Float, n),
-        dr.zeros(mi.Float, n),
+        PathLight(*(dr.zeros(mi.Float, n) for _ in range(4))),
         dr.full(mi.Float, 1, n),
         dr.full(mi.Bool, True, n),
         dr.full(mi.UInt32, first_vertex, n),
@@ -165,8 +201,8 @@ def trace_paths(
         dr.full(mi.Bool, first_vertex > 0, n),
         dr.full(mi.Float, np.pi / samples.n if first_vertex else 0, n),
     )
-    final = dr.while_loop(state, lambda *s: s[4], vertex)
-    return final[1], final[2]
+    (end,) = dr.while_loop((start,), lambda path: path.active, vertex)
+    return end.light
 
 
 def light_met(world: LoadedScene, si: Any, ray: Any, body: Any, pdf: Any, i: Any, diffused: Any) -> Any:

@@ -75,13 +75,13 @@ class SmoothLight:
         return seen, dr.gather(mi.Vector3f, channels, pixel, seen)
 
     def met(self, si: Any, ray: Any, body: Any, active: Any) -> tuple[Any, Any]:
-        """Where rays meet a place that the imager sees, and its radiance in the projector's and the ambient layer."""
+        """`light_paths.SmoothRadiance` of where rays meet a place that the imager sees."""
         mi = backend.mitsuba()
         import drjit as dr
 
         normal = dr.mulsign(si.sh_frame.n, -dr.dot(si.n, ray.d))
         seen, radiance = self.at(si.p, normal, body, active)
-        return seen, mi.Vector2f(radiance.y, radiance.x + radiance.z)
+        return seen, mi.Vector3f(radiance.y, radiance.z, radiance.x)
 
     def lamps_at(self, points: SurfaceMap) -> tuple[Bool[np.ndarray, "p"], Float32[np.ndarray, "p"]]:
         """Where the imager sees the points of another map (flattened), and there the lamps' light."""
@@ -194,7 +194,7 @@ def _indirect_light(
         first_vertex=1,
         filtered=sampling.filtered,
     )
-    return sample_means([layer * albedo for layer in paths], n)
+    return sample_means([paths.projector * albedo, paths.lamps * albedo], n)
 
 
 def _samples_at(world: LoadedScene, points: SurfaceMap, n: int) -> tuple[Any, Any, Any, Any]:

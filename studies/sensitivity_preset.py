@@ -126,8 +126,8 @@ class Preset(Config):
     """Paths of a pixel that sees a glossy surface; the noisiest are not computed again as the sensor by itself would.
     Choice: shares of holes move by about a percent, single pixels more."""
     other_paths: Count = 16
-    """The same for the views that say why depth is missing and what a recovery regains. Choice: shares hardly move with
-    it, and most of a study's time goes there."""
+    """The same for the views that say what a recovery regains. Choice: shares hardly move with it, and most of the time
+    goes there."""
     sensor: SensorSettings = SensorSettings()
     """The camera."""
     parameters: Parameters = Parameters()

@@ -12,7 +12,7 @@ from render.labels import Labels, label_frame
 from render.radiance import RadianceLayers
 from render.truth import Truth
 from scenes.scene import Lamp, Scene
-from studies.sensitivity_cases import CaseConfig, look_camera, look_pose, look_scene, plain_paths
+from studies.sensitivity_cases import CaseConfig, look_camera, look_pose, look_scene
 from studies.sensitivity_preset import Light
 from studies.sensitivity_twins import stored_twin
 
@@ -46,16 +46,15 @@ def labelled_views(config: CaseConfig, twins: Path) -> Iterator[LabelledView]:
         first = first or layers
         truth = truth or camera.truth(pose)
         measurement = camera.expose(pose, *layers, config.n_frames)
-        cheaper = camera.changed(**plain_paths(config.other_paths))
-        labels = label_frame(cheaper, pose, measurement, stored_twin(twins, twin), truth)
+        labels = label_frame(camera, pose, measurement, stored_twin(twins, twin), truth)
         yield LabelledView(light, camera, measurement, truth, labels)
 
 
 def _layers(camera: SimulatedD435i, pose: RigidTransform, first: LayerPair | None, scale: float | None) -> LayerPair:
     if first is None or scale is None:
         return camera.render(pose)
-    left, right = (RadianceLayers(layers.projector, layers.ambient * np.float32(scale)) for layers in first)
-    return left, right
+    left, right = first
+    return left.with_ambient_scaled(scale), right.with_ambient_scaled(scale)
 
 
 def ambient_scale(before: Scene, after: Scene) -> float | None:

@@ -167,8 +167,6 @@ class Rendering(Config):
 
     glossy_paths: Literal[8, 16, 32, 64, 128] = 16
     """Of a pixel that sees a glossy surface."""
-    label_paths: Literal[8, 16, 32, 64, 128] = 8
-    """Of such a pixel where one thing is changed to see why depth is missing."""
     indirect_directions: Literal[16, 32, 64, 128, 256] = 64
     """Gathered at each interpolation point of the light that comes to Lambertian surfaces by way of others."""
 

@@ -114,16 +114,13 @@ def make_scene(task: SceneTask) -> None:
 
 def scene_cameras(config: DatasetConfig, draw: SceneDraw, built: BuiltScene) -> Cameras:
     """The camera before the scene, its twin, and every object alone."""
-
-    def sampling(paths: int) -> dict[str, Any]:
-        directions = config.rendering.indirect_directions
-        return {"glossy_paths": paths, "refined_share": 0.0, "indirect_directions": directions}
-
-    settings = sensor_settings(config, draw)
-    real = SimulatedD435i(built.scene, settings, draw.noise_seed, Sampling(**sampling(config.rendering.glossy_paths)))
-    cheaper = real.changed(**sampling(config.rendering.label_paths))
+    rendering = config.rendering
+    sampling = Sampling(
+        glossy_paths=rendering.glossy_paths, refined_share=0.0, indirect_directions=rendering.indirect_directions
+    )
+    real = SimulatedD435i(built.scene, sensor_settings(config, draw), draw.noise_seed, sampling)
     alone = tuple(load_scene(built.object_scene(number)) for number in range(len(draw.objects)))
-    return Cameras(built, real, cheaper, twin_camera(real), alone)
+    return Cameras(built, real, twin_camera(real), alone)
 
 
 def write_scene(folder: Path, task: SceneTask, draw: SceneDraw, cameras: Cameras, clock: Clock) -> None:

@@ -59,8 +59,6 @@ class Cameras:
 
     built: BuiltScene
     real: SimulatedD435i
-    cheaper: SimulatedD435i
-    """Before the scene, with the paths that labels get."""
     twin: SimulatedD435i
     alone: tuple[LoadedScene, ...]
 
@@ -77,7 +75,7 @@ def labelled_view(cameras: Cameras, pose: RigidTransform, n_frames: int, stage: 
     with stage("matte twin"):
         twin = measure_twin(real, pose, n_frames, truth, cameras.twin)
     with stage("labels"):
-        labels = label_frame(cameras.cheaper, pose, measurement, twin, truth)
+        labels = label_frame(real, pose, measurement, twin, truth)
     owner = np.full(NO_BODY + 1, -1)
     owner[: len(cameras.built.owner)] = cameras.built.owner
     visible = tuple(owner[truth.body] == number for number in range(len(cameras.alone)))

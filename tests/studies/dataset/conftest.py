@@ -26,7 +26,7 @@ surroundings:
   clutter_materials: {rubber: 1}
 camera: {profiles: {424x240: 1}}
 poses: {per_scene: 2, elevation_deg: [35, 70], distance_m: [0.3, 0.4]}
-rendering: {glossy_paths: 8, label_paths: 8}
+rendering: {glossy_paths: 8}
 """
 
 
