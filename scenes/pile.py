@@ -8,11 +8,14 @@ Vertical forces at firm contacts then carry every weight down to the table and t
 """
 
 from dataclasses import dataclass, field
+from typing import no_type_check
 
+import numba
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.ndimage import grey_dilation
 from scipy.spatial import ConvexHull
+from scipy.spatial.transform import RigidTransform
 
 from scenes.scene import Mesh
 from scenes.stable_poses import STABLE_MARGIN, inside_by
@@ -40,21 +43,19 @@ class Pile:
     _supports: list[Float[np.ndarray, "k 2"]] = field(default_factory=list)
     """Firm contacts of each part, world x and y [m]."""
 
-    def resting_height(self, samples: Float[np.ndarray, "n 3"], centre: Float[np.ndarray, "3"]) -> float | None:
+    def resting_height(
+        self, samples: Float[np.ndarray, "n 3"], pose: RigidTransform, centre: Float[np.ndarray, "3"]
+    ) -> float | None:
         """Lower a part and leave it where it comes to rest; None, and nothing changes, where it would not stay.
 
-        samples: of its surface by `surface_samples`, turned and moved to where it goes, its lowest point at z = 0 [m].
-        centre: of its mass, moved alike [m]. Returns how far up it rests [m].
+        samples: of its surface by `surface_samples`, in its model frame [m]. pose: T_world_model of where it goes, its
+        lowest point at z = 0. centre: of its mass, in its model frame [m]. Returns how far up it rests [m].
         """
-        cells = np.floor((samples[:, :2] + HALF_SIDE) / CELL).astype(int)
-        low, high = cells.min(axis=0), cells.max(axis=0) + 1
-        if np.any(low < 1) or np.any(high > _CELLS - 1):
+        low, bottom, top = _height_bounds(samples, pose.as_matrix())
+        high = low + bottom.shape
+        if not bottom.size:
             return None
         window = np.s_[low[0] : high[0], low[1] : high[1]]
-        bottom, top = np.full(high - low, np.inf), np.full(high - low, -np.inf)
-        place = tuple((cells - low).T)
-        np.minimum.at(bottom, place, samples[:, 2])
-        np.maximum.at(top, place, samples[:, 2])
         # A surface point is within half a cell of a sample: one cell around and half a cell up bound it.
         around = np.s_[low[0] - 1 : high[0] + 1, low[1] - 1 : high[1] + 1]
         below = grey_dilation(self._top[around], size=(3, 3))[1:-1, 1:-1]
@@ -62,7 +63,7 @@ class Pile:
         gap = np.where(occupied, below + 2 * SPACING - bottom, -bottom)
         height = max(float(np.max(gap)), 0.0)
         firm = self._firm(window, gap >= height - CONTACT, occupied)
-        if len(firm) < 3 or inside_by(firm, centre[:2]) < STABLE_MARGIN:
+        if len(firm) < 3 or inside_by(firm, pose.apply(centre)[:2]) < STABLE_MARGIN:
             return None
         higher = height + top > self._top[window]
         self._top[window] = np.where(higher, height + top, self._top[window])
@@ -89,6 +90,32 @@ class Pile:
 
 
 _CELLS = round(2 * HALF_SIDE / CELL)
+
+
+@no_type_check
+@numba.njit(nogil=True, cache=True)
+def _height_bounds(samples, pose):
+    """The map's first cell (2,) that a part covers at this pose (4, 4), and from there on the lowest and the highest
+    sample of every cell, infinite where there is none; of size 0 where the part reaches beyond the map."""
+    low, high = np.array([_CELLS, _CELLS]), np.array([-1, -1])
+    cells = np.zeros((len(samples), 2), np.int64)
+    for k in range(len(samples)):
+        x, y, z = samples[k]
+        for axis in range(2):
+            at = pose[axis, 0] * x + pose[axis, 1] * y + pose[axis, 2] * z + pose[axis, 3]
+            cell = int(np.floor((at + HALF_SIDE) / CELL))
+            cells[k, axis] = cell
+            low[axis], high[axis] = min(low[axis], cell), max(high[axis], cell)
+    if min(low[0], low[1]) < 1 or max(high[0], high[1]) > _CELLS - 2:
+        return low, np.zeros((0, 0)), np.zeros((0, 0))
+    shape = (high[0] - low[0] + 1, high[1] - low[1] + 1)
+    bottom, top = np.full(shape, np.inf), np.full(shape, -np.inf)
+    for k in range(len(samples)):
+        x, y, z = samples[k]
+        height = pose[2, 0] * x + pose[2, 1] * y + pose[2, 2] * z + pose[2, 3]
+        i, j = cells[k, 0] - low[0], cells[k, 1] - low[1]
+        bottom[i, j], top[i, j] = min(bottom[i, j], height), max(top[i, j], height)
+    return low, bottom, top
 
 
 def surface_samples(mesh: Mesh) -> Float[np.ndarray, "n 3"]:

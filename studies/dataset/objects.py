@@ -11,6 +11,7 @@ from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
 from materials.user_materials import UserMaterials
+from render.mitsuba_scene import LoadedScene, load_scene
 from scenes.part_materials import part_materials
 from scenes.parts import part_bodies
 from scenes.pile import surface_samples
@@ -51,6 +52,11 @@ class PoolObject:
     def stable(self) -> tuple[StablePose, ...]:
         """The ways in which it can lie."""
         return stable_poses(self.mesh)
+
+    @cached_property
+    def alone(self) -> LoadedScene:
+        """Nothing but the object, in its model frame, for its whole silhouette."""
+        return load_scene(Scene(self.name, self.bodies, (), 0.0))
 
     @cached_property
     def samples(self) -> Float[np.ndarray, "n 3"]:

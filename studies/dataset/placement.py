@@ -98,7 +98,7 @@ def _piled(pile: Pile, thing: PoolObject, material: str, spread: float, rng: np.
         resting, turn = _drawn_pose(thing, rng) if thing.stable else ("upright", Rotation.identity())
         x, y = rng.normal(0, spread * (1 + attempt // 4), 2)
         pose = _at_rest(thing, turn, rng.uniform(0, 360), x, y, 0.0)
-        height = pile.resting_height(pose.apply(thing.samples), pose.apply(thing.centre))
+        height = pile.resting_height(thing.samples, pose, thing.centre)
         if height is not None:
             return Placed(thing, material, resting, RigidTransform.from_translation([0, 0, height]) * pose)
     return None

@@ -3,7 +3,7 @@
 import resource
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,7 +16,6 @@ from scipy.spatial.transform import RigidTransform
 from render import backend
 from render.d435i import SimulatedD435i
 from render.matte_twin import twin_camera
-from render.mitsuba_scene import load_scene
 from render.radiance import Sampling
 from studies.cases import FutileError, output_errors
 from studies.dataset import bop
@@ -36,10 +35,10 @@ from studies.dataset.folders import (
     written_whole,
 )  # fmt: skip
 from studies.dataset.layers import FRAMES, MASKS
-from studies.dataset.objects import object_pool
+from studies.dataset.objects import PoolObject, object_pool
 from studies.dataset.scene_files import scene_files
 from studies.dataset.statistics import counts
-from studies.dataset.view import Cameras, LabelledView, labelled_view
+from studies.dataset.view import Cameras, LabelledView, LoneObject, labelled_view
 from studies.single_case import versions
 
 FORMAT = 1
@@ -98,7 +97,7 @@ def make_scene(task: SceneTask) -> None:
         draw = draw_scene(task.config, pool, task.scene)
     with clock.stage("loading the scene"):
         built = build_scene(draw, pool, task.config.materials.of_user)
-        cameras = scene_cameras(task.config, draw, built)
+        cameras = scene_cameras(task.config, draw, built, pool)
     with written_whole(task.root, target) as folder:
         write_scene(folder, task, draw, cameras, clock)
         with clock.stage("hashing"):
@@ -112,15 +111,19 @@ def make_scene(task: SceneTask) -> None:
         (task.root / WORK / f"{scene_name(task.scene)}.json").write_bytes(compact_json(times))
 
 
-def scene_cameras(config: DatasetConfig, draw: SceneDraw, built: BuiltScene) -> Cameras:
+def scene_cameras(config: DatasetConfig, draw: SceneDraw, built: BuiltScene, pool: Sequence[PoolObject]) -> Cameras:
     """The camera before the scene, its twin, and every object alone."""
     rendering = config.rendering
     sampling = Sampling(
         glossy_paths=rendering.glossy_paths, refined_share=0.0, indirect_directions=rendering.indirect_directions
     )
     real = SimulatedD435i(built.scene, sensor_settings(config, draw), draw.noise_seed, sampling)
-    alone = tuple(load_scene(built.object_scene(number)) for number in range(len(draw.objects)))
-    return Cameras(built, real, twin_camera(real), alone)
+    by_number = {thing.number: thing for thing in pool}
+    lone = tuple(
+        LoneObject(by_number[thing.object_id].alone, RigidTransform.from_matrix(np.array(thing.T_world_model)))
+        for thing in draw.objects
+    )
+    return Cameras(built, real, twin_camera(real), lone)
 
 
 def write_scene(folder: Path, task: SceneTask, draw: SceneDraw, cameras: Cameras, clock: Clock) -> None:

@@ -54,13 +54,22 @@ class LabelledView:
 
 
 @dataclass(frozen=True, eq=False)
+class LoneObject:
+    """An object of the scene without all else."""
+
+    world: LoadedScene
+    """In its model frame."""
+    T_world_model: RigidTransform
+
+
+@dataclass(frozen=True, eq=False)
 class Cameras:
     """The same camera before a scene, before its matte twin, and for each object alone."""
 
     built: BuiltScene
     real: SimulatedD435i
     twin: SimulatedD435i
-    alone: tuple[LoadedScene, ...]
+    objects: tuple[LoneObject, ...]
 
 
 def labelled_view(cameras: Cameras, pose: RigidTransform, n_frames: int, stage: Stage) -> LabelledView:
@@ -78,11 +87,11 @@ def labelled_view(cameras: Cameras, pose: RigidTransform, n_frames: int, stage: 
         labels = label_frame(real, pose, measurement, twin, truth)
     owner = np.full(NO_BODY + 1, -1)
     owner[: len(cameras.built.owner)] = cameras.built.owner
-    visible = tuple(owner[truth.body] == number for number in range(len(cameras.alone)))
+    visible = tuple(owner[truth.body] == number for number in range(len(cameras.objects)))
     with stage("masks"):
         silhouettes = tuple(
-            silhouette(world, real.rig.intrinsics, pose, seen)
-            for world, seen in zip(cameras.alone, visible, strict=True)
+            silhouette(thing.world, real.rig.intrinsics, thing.T_world_model.inv() * pose, seen)
+            for thing, seen in zip(cameras.objects, visible, strict=True)
         )
     images = measured_images(measurement) | true_images(truth, cameras.built, pose) | label_images(labels)
     frames = np.stack([millimetres(depth) for depth in measurement.depths])

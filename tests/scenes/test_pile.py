@@ -17,7 +17,7 @@ GAP = 2 * SPACING
 def _let_down(pile: Pile, size: tuple[float, float, float], x: float, y: float, yaw_deg: float = 0.0) -> float | None:
     turn = Rotation.from_euler("z", yaw_deg, degrees=True)
     pose = RigidTransform.from_components([x, y, size[2] / 2], turn)
-    return pile.resting_height(pose.apply(surface_samples(box(size))), pose.translation)
+    return pile.resting_height(surface_samples(box(size)), pose, np.zeros(3))
 
 
 def test_the_first_part_stands_on_the_table():
@@ -79,7 +79,7 @@ def test_piled_parts_do_not_intersect(seed: int):
         pose = RigidTransform.from_components(
             [*rng.normal(0, 0.04, 2), 0], Rotation.from_euler("z", rng.uniform(0, 360), degrees=True)
         )
-        height = pile.resting_height(pose.apply(samples), pose.apply(np.array([0, 0, 0.02])))
+        height = pile.resting_height(samples, pose, np.array([0, 0, 0.02]))
         if height is not None:
             placed.append(RigidTransform.from_translation([0, 0, height]) * pose)
     assert len(placed) >= 2
