@@ -14,8 +14,9 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
 from render import backend
-from render.light_paths import Imager, light_met
+from render.light_paths import light_met
 from render.mitsuba_scene import LoadedScene
+from render.pixel_rays import Imager
 from render.projector_light import ProjectorLight, fall_off
 from render.rig import Rig
 from render.sampling import SampleSet, sample_means

@@ -19,13 +19,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import RigidTransform
 
-from franbv.frames import Intrinsics
 from render import backend
 from render.mitsuba_scene import FIRST_LAMP, LoadedScene
 from render.projector_light import ProjectorLight, fall_off
 from render.sampling import DIMENSIONS_PIXEL, DIMENSIONS_VERTEX, SampleSet
+from render.scatter import scatter
 
 FOOTPRINT_SIGMA = 0.5
 """Blur of the dots behind a glossy vertex, in units of the distance between samples (choice: the usual width of a
@@ -36,47 +35,6 @@ SmoothRadiance = Callable[[Any, Any, Any, Any], tuple[Any, Any]]
 """Of interactions, rays, bodies and which are asked: where it is known, and there a Vector3f [W m^-2 sr^-1]: the
 radiance of the projector's light and of the ambient light that came by way of other surfaces, and that of the lamps'
 own light."""
-
-
-@dataclass(frozen=True, eq=False)
-class Imager:
-    """One imager's pose and intrinsics on the device."""
-
-    origin: Any
-    rotation: Any
-    calibration: Any
-    """(fx, fy, cx, cy), opaque."""
-
-    @classmethod
-    def at(cls, T_world_imager: RigidTransform, intrinsics: Intrinsics) -> "Imager":
-        """Upload a pose."""
-        mi = backend.mitsuba()
-        import drjit as dr
-
-        imager = cls(
-            mi.Point3f(*T_world_imager.translation.tolist()),
-            mi.Matrix3f(T_world_imager.rotation.as_matrix().tolist()),
-            tuple(mi.Float(x) for x in (intrinsics.fx, intrinsics.fy, intrinsics.cx, intrinsics.cy)),
-        )
-        dr.make_opaque(imager.origin, imager.rotation, *imager.calibration)
-        return imager
-
-    def ray(self, u: Any, v: Any) -> Any:
-        """World rays through pixel coordinates (u, v); pixel centres at integers."""
-        mi = backend.mitsuba()
-        import drjit as dr
-
-        fx, fy, cx, cy = self.calibration
-        return mi.Ray3f(self.origin, dr.normalize(self.rotation @ mi.Vector3f((u - cx) / fx, (v - cy) / fy, 1)))
-
-    def project(self, p: Any) -> tuple[Any, Any, Any]:
-        """Pixel coordinates (u, v) and Z-depth [m] of world points; (u, v) mean nothing where the depth is not > 0."""
-        import drjit as dr
-
-        fx, fy, cx, cy = self.calibration
-        local = self.rotation.T @ (p - self.origin)
-        scale = dr.rcp(dr.select(local.z > 0, local.z, 1))
-        return fx * local.x * scale + cx, fy * local.y * scale + cy, local.z
 
 
 @dataclass
@@ -134,63 +92,8 @@ def trace_paths(
     mi = backend.mitsuba()
     import drjit as dr
 
-    scene, n, closed = world.scene, dr.width(pixel), world.source.ambient_radiance == 0
-
-    def vertex(path: _Path) -> tuple[_Path]:
-        ray, met, beta, i = path.ray, path.light, path.beta, path.vertex
-        si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=i == 0, active=path.active)
-        hit = path.active & si.is_valid()
-        body = world.body(si)
-        arriving = light_met(world, si, ray, body, path.pdf, i, path.diffused)
-        met.lamps += dr.select(path.active, beta * arriving, 0)
-        # A path that stopped at vertex 0 has seen in it the lamps that its ray meets next.
-        met.lamps_stopped = dr.select(i <= 1, met.lamps, met.lamps_stopped)
-        glossy, albedo = world.is_glossy(body), dr.gather(mi.Float, world.albedo_of_body, body, path.active)
-        scattering = hit & (i < max_depth) & (body < FIRST_LAMP)
-        connected = scattering & ~(path.diffused & glossy)
-        known, stopped = mi.Bool(False), mi.Float(0)
-        if smooth is not None:
-            known, reflected = smooth(si, ray, body, scattering & ~glossy)
-            met.projector += dr.select(known, beta * reflected.x, 0)
-            met.lamps += dr.select(known, beta * (reflected.y + reflected.z), 0)
-            # In open surroundings most of the light that comes by way of anything comes from outside.
-            stopped = dr.select(known, beta * (reflected.z if closed else reflected.y + reflected.z), 0)
-
-        # Where light may come from: the projector, one point on each lamp.
-        dimension = DIMENSIONS_PIXEL + DIMENSIONS_VERTEX * i
-        u = [samples.uniform(sample, pixel, dimension + k, path.active) for k in range(DIMENSIONS_VERTEX)]
-        towards, distance2 = light.connection(si.p)
-        links = [lamp.connection(si.p, u[2], u[3]) for lamp in world.lamps]
-        directions = [si.to_local(towards), *(si.to_local(direction) for _, direction, _ in links)]
-        values, onwards, pdf, weight = _scatter(
-            si, world.bsdf(body), directions, u[4], mi.Point2f(u[0], u[1]), connected, scattering & ~known, albedo
-        )
-
-        footprint = _footprint(si, ray, towards, distance2, path.spread) if filtered else mi.Float(0)
-        f_cos, _ = values[0]
-        s, cos_axis = light.white_wall_radiance(-towards, footprint, connected)
-        lit = connected & (f_cos > 0) & (s > 0)
-        lit &= ~scene.ray_test(si.spawn_ray_to(light.position), coherent=i == 0, active=lit)
-        irradiance = dr.pi * s / fall_off(cos_axis, distance2)
-        from_projector = dr.select(lit, beta * f_cos * irradiance, 0)
-
-        place, arriving = _chosen_lamp(world, links, values[1:], glossy, u[5])
-        lit = connected & ~known & (arriving > 0)
-        lit &= ~scene.ray_test(si.spawn_ray_to(place), coherent=i == 0, active=lit)
-        from_lamps = dr.select(lit, beta * arriving, 0)
-
-        met.projector += from_projector
-        met.lamps += from_lamps
-        met.projector_stopped += dr.select(i == 0, from_projector, 0)
-        met.lamps_stopped += dr.select(i == 0, from_lamps + stopped, 0)
-        diffused = path.diffused | ~glossy
-        # After the last vertex a path may still meet what was not connected: a lamp seen in metal, the surroundings.
-        useful = (i + 1 < max_depth) | ~diffused if closed else mi.Bool(True)
-        beta = beta * weight
-        active = scattering & ~known & (pdf > 0) & (beta > 0) & useful
-        spread = path.spread + dr.rcp(samples.n * dr.maximum(pdf, 1e-6))
-        return (_Path(si.spawn_ray(si.to_world(onwards)), met, beta, active, i + 1, pdf, diffused, spread),)
-
+    n = dr.width(pixel)
+    tracer = _Tracer(world, light, pixel, sample, samples, max_depth, filtered, smooth)
     start = _Path(
         ray,
         PathLight(*(dr.zeros(mi.Float, n) for _ in range(4))),
@@ -201,8 +104,129 @@ def trace_paths(
         dr.full(mi.Bool, first_vertex > 0, n),
         dr.full(mi.Float, np.pi / samples.n if first_vertex else 0, n),
     )
-    (end,) = dr.while_loop((start,), lambda path: path.active, vertex)
+    (end,) = dr.while_loop((start,), lambda path: path.active, lambda path: (tracer.next_vertex(path),))
     return end.light
+
+
+@dataclass(frozen=True, eq=False)
+class _Vertex:
+    """Where paths have arrived."""
+
+    si: Any
+    body: Any
+    """As `LoadedScene.body` counts."""
+    glossy: Any
+    albedo: Any
+    """Of Lambertian surfaces, 0 for others."""
+    scattering: Any
+    """Paths that have met a surface and may have this vertex."""
+    connected: Any
+    """Those of them that are connected to the projector."""
+    known: Any
+    """Those whose further light is known, so that they end here."""
+    stopped: Any
+    """What of it came straight from lamps and from outside the scene [W m^-2 sr^-1]."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Tracer:
+    """The arguments of `trace_paths`, and what happens at every vertex."""
+
+    world: LoadedScene
+    light: ProjectorLight
+    pixel: Any
+    sample: Any
+    samples: SampleSet
+    max_depth: int
+    filtered: bool
+    smooth: SmoothRadiance | None
+
+    def next_vertex(self, path: _Path) -> _Path:
+        """Shoot the paths' rays; connect where they arrive to the lights; draw how they go on."""
+        mi = backend.mitsuba()
+        import drjit as dr
+
+        here, i = self._arrive(path), path.vertex
+        dimension = DIMENSIONS_PIXEL + DIMENSIONS_VERTEX * i
+        u = [
+            self.samples.uniform(self.sample, self.pixel, dimension + k, path.active) for k in range(DIMENSIONS_VERTEX)
+        ]
+        # Where light may come from: the projector, one point on each lamp.
+        towards, distance2 = self.light.connection(here.si.p)
+        links = [lamp.connection(here.si.p, u[2], u[3]) for lamp in self.world.lamps]
+        directions = [here.si.to_local(w) for w in (towards, *(direction for _, direction, _ in links))]
+        bsdf, going_on, v = self.world.bsdf(here.body), here.scattering & ~here.known, mi.Point2f(u[0], u[1])
+        values, onwards, pdf, weight = scatter(
+            here.si, bsdf, here.albedo, directions, here.connected, u[4], v, going_on
+        )
+
+        from_projector = path.beta * self._projector_light(here, path, values[0][0], towards, distance2)
+        from_lamps = path.beta * self._lamp_light(here, links, values[1:], u[5], i)
+        met = path.light
+        met.projector += from_projector
+        met.lamps += from_lamps
+        met.projector_stopped += dr.select(i == 0, from_projector, 0)
+        met.lamps_stopped += dr.select(i == 0, from_lamps + here.stopped, 0)
+
+        diffused, beta = path.diffused | ~here.glossy, path.beta * weight
+        # After the last vertex a path may still meet what was not connected: a lamp seen in metal, the surroundings.
+        useful = (i + 1 < self.max_depth) | ~diffused if self._closed else mi.Bool(True)
+        active = going_on & (pdf > 0) & (beta > 0) & useful
+        spread = path.spread + dr.rcp(self.samples.n * dr.maximum(pdf, 1e-6))
+        return _Path(here.si.spawn_ray(here.si.to_world(onwards)), met, beta, active, i + 1, pdf, diffused, spread)
+
+    @property
+    def _closed(self) -> bool:
+        """No light comes from outside the scene."""
+        return self.world.source.ambient_radiance == 0
+
+    def _arrive(self, path: _Path) -> _Vertex:
+        """The paths' next vertex. What their rays bring is added to their light."""
+        mi = backend.mitsuba()
+        import drjit as dr
+
+        i, met = path.vertex, path.light
+        si = self.world.scene.ray_intersect(path.ray, mi.RayFlags.All, coherent=i == 0, active=path.active)
+        body = self.world.body(si)
+        arriving = light_met(self.world, si, path.ray, body, path.pdf, i, path.diffused)
+        met.lamps += dr.select(path.active, path.beta * arriving, 0)
+        # A path that stopped at vertex 0 has seen in it the lamps that its ray meets next.
+        met.lamps_stopped = dr.select(i <= 1, met.lamps, met.lamps_stopped)
+        glossy = self.world.is_glossy(body)
+        scattering = path.active & si.is_valid() & (i < self.max_depth) & (body < FIRST_LAMP)
+        known, stopped = mi.Bool(False), mi.Float(0)
+        if self.smooth is not None:
+            known, reflected = self.smooth(si, path.ray, body, scattering & ~glossy)
+            met.projector += dr.select(known, path.beta * reflected.x, 0)
+            met.lamps += dr.select(known, path.beta * (reflected.y + reflected.z), 0)
+            # In open surroundings most of the light that comes by way of anything comes from outside.
+            straight = reflected.z if self._closed else reflected.y + reflected.z
+            stopped = dr.select(known, path.beta * straight, 0)
+        albedo = dr.gather(mi.Float, self.world.albedo_of_body, body, path.active)
+        return _Vertex(si, body, glossy, albedo, scattering, scattering & ~(path.diffused & glossy), known, stopped)
+
+    def _projector_light(self, here: _Vertex, path: _Path, f_cos: Any, towards: Any, distance2: Any) -> Any:
+        """What the projector's dots send on along the path from here [W m^-2 sr^-1]."""
+        mi = backend.mitsuba()
+        import drjit as dr
+
+        footprint = mi.Float(0)
+        if self.filtered:
+            footprint = _footprint(here.si, path.ray, towards, distance2, path.spread)
+        s, cos_axis = self.light.white_wall_radiance(-towards, footprint, here.connected)
+        lit = here.connected & (f_cos > 0) & (s > 0)
+        ray = here.si.spawn_ray_to(self.light.position)
+        lit &= ~self.world.scene.ray_test(ray, coherent=path.vertex == 0, active=lit)
+        return dr.select(lit, f_cos * dr.pi * s / fall_off(cos_axis, distance2), 0)
+
+    def _lamp_light(self, here: _Vertex, links: list[Any], values: list[tuple[Any, Any]], u: Any, i: Any) -> Any:
+        """What the lamps send on along the path from here, beyond what is known [W m^-2 sr^-1]."""
+        import drjit as dr
+
+        place, arriving = _chosen_lamp(self.world, links, values, here.glossy, u)
+        lit = here.connected & ~here.known & (arriving > 0)
+        lit &= ~self.world.scene.ray_test(here.si.spawn_ray_to(place), coherent=i == 0, active=lit)
+        return dr.select(lit, arriving, 0)
 
 
 def light_met(world: LoadedScene, si: Any, ray: Any, body: Any, pdf: Any, i: Any, diffused: Any) -> Any:
@@ -241,41 +265,6 @@ def _chosen_lamp(
     for bound, (candidate, _, _) in zip(bounds, links, strict=True):
         place = dr.select(u * total >= bound, candidate, place)
     return place, total
-
-
-def _scatter(
-    si: Any, bsdf: Any, directions: list[Any], u: Any, v: Any, connected: Any, scattering: Any, albedo: Any
-) -> tuple[list[tuple[Any, Any]], Any, Any, Any]:
-    """All that a vertex asks of its surface: one dynamic call for the glossy ones, a formula for the Lambertian ones.
-
-    Surfaces look alike from both sides (user meshes may be open or turned). bsdf: null where they are Lambertian.
-    albedo: of the Lambertian surfaces, 0 = glossy. Returns (value times cosine, density) for each local direction of
-    light, and a sampled local direction with its density and its weight.
-    """
-    mi = backend.mitsuba()
-    import drjit as dr
-
-    def turned(w):
-        return mi.Vector3f(w.x, w.y, dr.mulsign(w.z, side))
-
-    def ask(bsdf, si, directions, u, v, connected, scattering):
-        pairs = [bsdf.eval_pdf(context, si, wo, connected) for wo in directions]
-        sampled, weight = bsdf.sample(context, si, u, v, scattering)
-        return [(value.x, pdf) for value, pdf in pairs], sampled.wo, sampled.pdf, weight.x
-
-    context, side, matte = mi.BSDFContext(), mi.Float(si.wi.z), albedo > 0
-    upper = mi.SurfaceInteraction3f(si)
-    upper.wi = turned(si.wi)
-    directions = [turned(direction) for direction in directions]
-    glossy = dr.dispatch(bsdf, ask, upper, directions, u, v, connected & ~matte, scattering & ~matte)
-    lobes = [dr.inv_pi * dr.maximum(direction.z, 0) for direction in directions]
-    upwards = mi.warp.square_to_cosine_hemisphere(v)
-    values = [
-        (dr.select(matte, albedo * lobe, value), dr.select(matte, lobe, pdf))
-        for lobe, (value, pdf) in zip(lobes, glossy[0], strict=True)
-    ]
-    onwards = turned(dr.select(matte, upwards, glossy[1]))
-    return values, onwards, dr.select(matte, dr.inv_pi * upwards.z, glossy[2]), dr.select(matte, albedo, glossy[3])
 
 
 def _footprint(si: Any, ray: Any, towards: Any, distance2: Any, spread: Any) -> Any:

@@ -14,8 +14,9 @@ from jaxtyping import Bool, Float32
 
 from render import backend
 from render.first_surface import FirstSurface
-from render.light_paths import Imager, trace_paths
+from render.light_paths import trace_paths
 from render.mitsuba_scene import LoadedScene
+from render.pixel_rays import Imager
 from render.projector_light import ProjectorLight
 from render.sampling import SampleSet, Sampling, sample_means
 from render.surface import SAME_SURFACE_COSINE, SurfaceMap
@@ -113,7 +114,7 @@ def smooth_light(
         fields = np.zeros((2, coarse.body.size), np.float32)
         if len(wanted):
             fields[:, wanted] = _indirect_light(world, first.light, coarse.points(wanted), sampling, seed)
-        by_others = _interpolated(fields, coarse, first, sampling.indirect_stride_px)
+        by_others = first.surface.interpolated(fields.reshape(2, *coarse.body.shape), sampling.indirect_stride_px)
     return SmoothLight(first.imager, first.surface, lamps, by_others)
 
 
@@ -143,14 +144,7 @@ def _light_of_lamps(
     if len(numbers):
         light[numbers] = _lamp_light(world, coarse.points(numbers), sampling, seed)[0]
     first.lamp_light[how] = albedo, light
-    return _interpolated(light[None], coarse, first, sampling.lamp_stride_px)
-
-
-def _interpolated(
-    fields: Float32[np.ndarray, "c p"], coarse: SurfaceMap, first: FirstSurface, stride: int
-) -> Float32[np.ndarray, "c h w"]:
-    """Light at every pixel from that of one pixel in `stride`."""
-    return coarse.interpolated(fields.reshape(-1, *coarse.body.shape), first.surface, stride)
+    return first.surface.interpolated(light.reshape(1, *coarse.body.shape), sampling.lamp_stride_px)
 
 
 def _lamp_light(world: LoadedScene, points: SurfaceMap, sampling: Sampling, seed: int) -> Float32[np.ndarray, "1 p"]:

@@ -3,7 +3,7 @@
 Rays go through pixel centres; a depth AOV would be jittered, averaged and measured from the near clip instead.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import no_type_check
 
 import numba
@@ -13,8 +13,8 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
 from render import backend
-from render.light_paths import Imager
 from render.mitsuba_scene import LoadedScene
+from render.pixel_rays import Imager
 
 SAME_SURFACE_COSINE = 0.9
 """Normals within 26 deg count as one surface for interpolation (choice)."""
@@ -32,6 +32,8 @@ class SurfaceMap:
     """[m]; 0 where there is none."""
     normal: Float32[np.ndarray, "h w 3"]
     """Unit normal (exact where the mesh carries it), on the side that the imager sees; 0 where there is none."""
+    _weights: dict[int, Float32[np.ndarray, "h w 4"]] = field(default_factory=dict)
+    """Of the coarse points around each pixel, by stride."""
 
     def every(self, stride: int) -> "SurfaceMap":
         """The map at every `stride`-th pixel, starting at stride // 2."""
@@ -47,35 +49,44 @@ class SurfaceMap:
         )
         return SurfaceMap(body[:, numbers], position[:, numbers], normal[:, numbers])
 
-    def interpolated(
-        self, values: Float32[np.ndarray, "c H W"], fine: "SurfaceMap", stride: int
-    ) -> Float32[np.ndarray, "c h w"]:
-        """Values at this coarse map's points (one in `stride` pixels of `fine`), bilinear within each surface.
+    def interpolated(self, values: Float32[np.ndarray, "c H W"], stride: int) -> Float32[np.ndarray, "c h w"]:
+        """Values at every pixel from those at the points of `every(stride)`, bilinear within each surface.
 
         Of the four nearest points only those on the same body and on about the same tangent plane count; where none
         does, those of the same body, or failing that all four.
         """
-        out = np.zeros((len(values), *fine.body.shape), np.float32)
-        _interpolate(
-            values, self.body, self.position, self.normal, fine.body, fine.position, fine.normal, stride, out
-        )  # fmt: skip
+        if stride not in self._weights:
+            height, width = self.body.shape
+            weights, coarse = np.zeros((height, width, 4), np.float32), self.every(stride)
+            _weigh(
+                coarse.body, coarse.position, coarse.normal, self.body, self.position, self.normal, stride, weights
+            )  # fmt: skip
+            self._weights[stride] = weights
+        out = np.zeros((len(values), *self.body.shape), np.float32)
+        _mix(values, self._weights[stride], stride, out)
         return out
 
 
 @no_type_check
+@numba.njit(nogil=True, cache=True)
+def _first_of_two(pixel, stride, count):
+    """The nearest coarse point before a pixel (one in `stride`, `count` of them), and how far the pixel is past it."""
+    place = (pixel - stride // 2) / stride
+    first = min(max(int(np.floor(place)), 0), max(count - 2, 0))
+    return first, np.float32(min(max(place - first, 0.0), 1.0))
+
+
+@no_type_check
 @numba.njit(nogil=True, cache=True, fastmath=True)
-def _interpolate(values, body, position, normal, fine_body, fine_position, fine_normal, stride, out):
-    channels, rows, columns = values.shape
+def _weigh(body, position, normal, fine_body, fine_position, fine_normal, stride, weights):
+    """Weights (h, w, 4) of each fine pixel's four coarse points, above left first, below right last; their sum is 1."""
+    rows, columns = body.shape
     height, width = fine_body.shape
     one, cosine_least = np.float32(1), np.float32(SAME_SURFACE_COSINE)
     for v in range(height):
-        y = (v - stride // 2) / stride
-        y0 = min(max(int(np.floor(y)), 0), max(rows - 2, 0))
-        fy = np.float32(min(max(y - y0, 0.0), 1.0))
+        y0, fy = _first_of_two(v, stride, rows)
         for u in range(width):
-            x = (u - stride // 2) / stride
-            x0 = min(max(int(np.floor(x)), 0), max(columns - 2, 0))
-            fx = np.float32(min(max(x - x0, 0.0), 1.0))
+            x0, fx = _first_of_two(u, stride, columns)
             p0, p1, p2 = fine_position[v, u, 0], fine_position[v, u, 1], fine_position[v, u, 2]
             n0, n1, n2 = fine_normal[v, u, 0], fine_normal[v, u, 1], fine_normal[v, u, 2]
             total = np.float32(1e-12)
@@ -93,10 +104,26 @@ def _interpolate(values, body, position, normal, fine_body, fine_position, fine_
                     else:
                         weight *= np.float32(1e-6)
                     total += weight
-                    for c in range(channels):
-                        out[c, v, u] += weight * values[c, j, i]
-            for c in range(channels):
-                out[c, v, u] /= total
+                    weights[v, u, 2 * down + right] = weight
+            for k in range(4):
+                weights[v, u, k] /= total
+
+
+@no_type_check
+@numba.njit(nogil=True, cache=True, fastmath=True)
+def _mix(values, weights, stride, out):
+    channels, rows, columns = values.shape
+    height, width = out.shape[1:]
+    lefts = np.array([_first_of_two(u, stride, columns)[0] for u in range(width)])
+    for c in range(channels):
+        for v in range(height):
+            y0, _ = _first_of_two(v, stride, rows)
+            y1 = min(y0 + 1, rows - 1)
+            for u in range(width):
+                x0 = lefts[u]
+                x1 = min(x0 + 1, columns - 1)
+                above = weights[v, u, 0] * values[c, y0, x0] + weights[v, u, 1] * values[c, y0, x1]
+                out[c, v, u] = above + weights[v, u, 2] * values[c, y1, x0] + weights[v, u, 3] * values[c, y1, x1]
 
 
 def surface_map(world: LoadedScene, intrinsics: Intrinsics, T_world_imager: RigidTransform) -> SurfaceMap:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float32, UInt8
+from jaxtyping import Bool, Float, Float32, UInt8
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import project
@@ -37,8 +37,8 @@ def measure_truth(world: LoadedScene, rig: Rig, T_world_cam: RigidTransform, sur
     """The truth for a rig whose left imager stands at `T_world_cam` and sees this surface."""
     hit = surface.body < FIRST_LAMP
     shape = hit.shape
-    points = surface.position.reshape(-1, 3).astype(float)
-    depth = np.where(hit, T_world_cam.inv().apply(points)[:, 2].reshape(shape), 0).astype(np.float32)
+    points = surface.position.reshape(-1, 3).T.astype(float)
+    depth = np.where(hit, _in_frame(points, T_world_cam)[2].reshape(shape), 0).astype(np.float32)
 
     view = T_world_cam.translation - surface.position
     distance = np.maximum(np.linalg.norm(view, axis=-1), 1e-9)
@@ -57,13 +57,20 @@ def measure_truth(world: LoadedScene, rig: Rig, T_world_cam: RigidTransform, sur
     )
 
 
-def _in_image(points_world: np.ndarray, rig: Rig, T_world_imager: RigidTransform) -> Bool[np.ndarray, "n"]:
-    """Whether points (n, 3) fall on the imager's pixels."""
+def _in_frame(points_world: Float[np.ndarray, "3 n"], T_world_frame: RigidTransform) -> Float[np.ndarray, "3 n"]:
+    """Points in another frame [m]; several times as fast as `RigidTransform.apply`."""
+    x, y, z = points_world - T_world_frame.translation[:, None]
+    return np.stack([a * x + b * y + c * z for a, b, c in T_world_frame.rotation.as_matrix().T])
+
+
+def _in_image(
+    points_world: Float[np.ndarray, "3 n"], rig: Rig, T_world_imager: RigidTransform
+) -> Bool[np.ndarray, "n"]:
+    """Whether points fall on the imager's pixels."""
     k = rig.intrinsics
-    uv = project(T_world_imager.inv().apply(points_world), k)
+    u, v = project(_in_frame(points_world, T_world_imager).T, k).T
     with np.errstate(invalid="ignore"):
-        inside = (uv >= -0.5) & (uv < [k.width - 0.5, k.height - 0.5])
-    return np.all(inside, axis=1)
+        return (u >= -0.5) & (u < k.width - 0.5) & (v >= -0.5) & (v < k.height - 0.5)
 
 
 def _reached(world: LoadedScene, surface: SurfaceMap, place: np.ndarray) -> Bool[np.ndarray, "h w"]:

@@ -19,7 +19,7 @@ def test_linear_field_is_kept():
     fine = flat_map(np.zeros((24, 32)))
     coarse = fine.every(4)
     field = coarse.position[..., 0] * 2 + coarse.position[..., 1]
-    out = coarse.interpolated(field[None].astype(np.float32), fine, 4)[0]
+    out = fine.interpolated(field[None].astype(np.float32), 4)[0]
     expected = fine.position[..., 0] * 2 + fine.position[..., 1]
     inner = np.s_[2:-2, 2:-2]
     np.testing.assert_allclose(out[inner], expected[inner], rtol=1e-5)
@@ -31,7 +31,7 @@ def test_no_light_leaks_over_an_edge():
     body[:, 15:] = 1
     fine = flat_map(body)
     coarse = fine.every(4)
-    out = coarse.interpolated(coarse.body[None].astype(np.float32), fine, 4)[0]
+    out = fine.interpolated(coarse.body[None].astype(np.float32), 4)[0]
     np.testing.assert_allclose(out, body, atol=1e-4)
 
 
@@ -41,5 +41,5 @@ def test_no_light_leaks_over_a_step():
     fine = flat_map(np.zeros((16, 32)))
     fine.position[:, 18:, 2] = 0.05
     coarse = fine.every(4)
-    out = coarse.interpolated(coarse.position[None, ..., 2].copy(), fine, 4)[0]
+    out = fine.interpolated(coarse.position[None, ..., 2].copy(), 4)[0]
     np.testing.assert_allclose(out, fine.position[..., 2], atol=0.003 * 0.05 * 1.01)
