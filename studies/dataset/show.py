@@ -152,7 +152,7 @@ def sheet_row(view: View) -> dict[str, Any]:
     reach = true[on_object] if on_object.any() else true[true > 0]
     near, far = (float(x) for x in np.percentile(reach, [0, 100])) if reach.size else (0.2, 1.0)
     far += 0.3 * (far - near) + 0.02  # so that the table around is not all dark
-    objects = ", ".join(f"{thing['object']} ({thing['material']})" for thing in draw["objects"])
+    objects = ", ".join(f"{thing['object']} ({made_of(thing['material'])})" for thing in draw["objects"])
     return {
         "name": f"Scene {int(view.folder.name)}, view {view.number}",
         "words": f"{objects}; lamps: {draw['lamps']}; laser {draw['laser_mw']:.0f} mW; from "
@@ -166,6 +166,14 @@ def sheet_row(view: View) -> dict[str, Any]:
             ("Incidence", photo_uri(incidence_picture(view))),
         ],
     }
+
+
+def made_of(name: str) -> str:
+    """A drawn material for people: `brass:brushed@alpha=0.0512,0.2034` is "brass:brushed, alpha 0.051 and 0.2"."""
+    known_as, _, alphas = name.partition("@alpha=")
+    if not alphas:
+        return known_as
+    return f"{known_as}, alpha " + " and ".join(f"{float(alpha):.2g}" for alpha in alphas.split(","))
 
 
 def cause_picture(view: View) -> UInt8[np.ndarray, "h w 3"]:

@@ -160,22 +160,23 @@ def silhouette(
     """Shoot the pixels' centre rays at the object alone, on a canvas of three images' width and height, where it
     reaches beyond the image too (as BOP counts)."""
     left, top, width, height = canvas_window(world, intrinsics, pose)
-    inner = visible.copy()  # a ray along an edge may hit in one scene and miss in the other
     if width == 0 or height == 0:
-        return Silhouette(inner, (-1, -1, -1, -1), 0)
+        return Silhouette(visible, (-1, -1, -1, -1), int(np.count_nonzero(visible)))
     seen = surface_map(world, intrinsics.cropped(left, top, width, height), pose).body != NO_BODY
     rows = slice(max(top, 0), max(min(top + height, intrinsics.height), 0))
     columns = slice(max(left, 0), max(min(left + width, intrinsics.width), 0))
-    overlap = inner[rows, columns]
-    first_row, first_column = rows.start - top, columns.start - left
-    overlap |= seen[first_row : first_row + overlap.shape[0], first_column : first_column + overlap.shape[1]]
+    inside = np.s_[rows.start - top : rows.stop - top, columns.start - left : columns.stop - left]
+    seen[inside] |= visible[rows, columns]  # a ray along an edge may hit in one scene and miss in the other
+    mask = np.zeros_like(visible)
+    mask[rows, columns] = seen[inside]
     x, y, w, h = bounding_box(seen)
     box = (x + left, y + top, w, h) if w > 0 else (x, y, w, h)
-    return Silhouette(inner, box, int(np.count_nonzero(seen)))
+    return Silhouette(mask, box, int(np.count_nonzero(seen)))
 
 
 def canvas_window(world: LoadedScene, intrinsics: Intrinsics, pose: RigidTransform) -> tuple[int, int, int, int]:
-    """Left, top, width and height of the part of the canvas that the object can be seen in [px of the image].
+    """Left, top, width and height of the part of the canvas that the object can be seen in, a pixel around it included
+    [px of the image].
 
     All of it where the object reaches behind the camera.
     """
@@ -184,7 +185,7 @@ def canvas_window(world: LoadedScene, intrinsics: Intrinsics, pose: RigidTransfo
     low, high = np.array([-k.width, -k.height]), np.array([2 * k.width, 2 * k.height])
     if np.all(points[:, 2] > 1e-3):
         uv = points[:, :2] / points[:, 2:] * [k.fx, k.fy] + [k.cx, k.cy]
-        ends = np.clip([np.floor(uv.min(axis=0)), np.ceil(uv.max(axis=0)) + 1], low, high)
+        ends = np.clip([np.floor(uv.min(axis=0)) - 1, np.ceil(uv.max(axis=0)) + 2], low, high)
         low, high = ends.astype(int)
     left, top, right, bottom = (int(x) for x in (*low, *high))
     return left, top, right - left, bottom - top

@@ -15,6 +15,7 @@ from studies.dataset.check import dataset_problems
 from studies.dataset.config import Materials
 from studies.dataset.factors import factors, finish_shares
 from studies.dataset.gathered import gather
+from studies.dataset.show import made_of
 from studies.dataset.statistics import FALSE_DEPTH
 
 
@@ -29,6 +30,19 @@ def test_the_page_stands_beside_the_dataset(small_dataset: Path, capsys: pytest.
     assert text.count('<article class="sheet">') == 2
     assert dataset_problems(small_dataset)[1] == []
     assert figures["hole_share"] == pytest.approx(_hole_share(small_dataset))
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("own", "own"),
+        ("iron:blasted@alpha=0.3512", "iron:blasted, alpha 0.35"),
+        ("brass:brushed@alpha=0.0512,0.2034", "brass:brushed, alpha 0.051 and 0.2"),
+    ],
+)
+def test_materials_are_named_for_people(name: str, said: str):
+    """Roughness to two figures, along and across the lay."""
+    assert made_of(name) == said
 
 
 def _hole_share(root: Path) -> float:
