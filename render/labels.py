@@ -65,7 +65,7 @@ def label_frame(
     twin: MatteTwin | None = None,
     truth: Truth | None = None,
 ) -> Labels:
-    """Label a burst that `camera` measured from `T_world_cam`.
+    """Label a burst that `camera` measured from `T_world_cam`, before the same scene, from layers that it rendered.
 
     twin: of the same geometry, lights, camera settings, pose and number of frames; measured here if it is not given.
     truth: from the same pose, if it is known already.

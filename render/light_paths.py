@@ -93,7 +93,7 @@ def trace_paths(
     import drjit as dr
 
     n = dr.width(pixel)
-    tracer = _Tracer(world, light, pixel, sample, samples, max_depth, filtered, smooth)
+    tracer = _Tracer(world, world.bsdf_of_body, light, pixel, sample, samples, max_depth, filtered, smooth)
     start = _Path(
         ray,
         PathLight(*(dr.zeros(mi.Float, n) for _ in range(4))),
@@ -133,6 +133,8 @@ class _Tracer:
     """The arguments of `trace_paths`, and what happens at every vertex."""
 
     world: LoadedScene
+    bsdfs: Any
+    """`LoadedScene.bsdf_of_body`."""
     light: ProjectorLight
     pixel: Any
     sample: Any
@@ -155,9 +157,9 @@ class _Tracer:
         towards, distance2 = self.light.connection(here.si.p)
         links = [lamp.connection(here.si.p, u[2], u[3]) for lamp in self.world.lamps]
         directions = [here.si.to_local(w) for w in (towards, *(direction for _, direction, _ in links))]
-        bsdf, going_on, v = self.world.bsdf(here.body), here.scattering & ~here.known, mi.Point2f(u[0], u[1])
+        bsdf, going_on = dr.gather(mi.BSDFPtr, self.bsdfs, here.body), here.scattering & ~here.known
         values, onwards, pdf, weight = scatter(
-            here.si, bsdf, here.albedo, directions, here.connected, u[4], v, going_on
+            here.si, bsdf, here.albedo, directions, here.connected, u[4], mi.Point2f(u[0], u[1]), going_on
         )
 
         from_projector = path.beta * self._projector_light(here, path, values[0][0], towards, distance2)

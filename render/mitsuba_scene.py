@@ -8,7 +8,7 @@ glossy materials alone, when the first path asks for them.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -79,16 +79,18 @@ class LoadedScene:
 
         return dr.gather(mi.UInt32, self.glossy_of_body, body) == 1
 
-    def bsdf(self, body: Any) -> Any:
-        """Of the glossy bodies (`BSDFPtr`), null for all others."""
-        import drjit as dr
+    @property
+    def bsdf_of_body(self) -> Any:
+        """Dr.Jit lookup (BSDFPtr), NO_BODY + 1 entries: of the glossy bodies, null for all others.
 
-        pointers, _ = self._bsdf_of_body
-        return dr.gather(type(pointers), pointers, body)
+        They are made when this is first asked for: ask before a loop is recorded, where errors would lose their text.
+        InputError for a file that cannot be used.
+        """
+        return self._bsdfs[0]
 
     @cached_property
-    def _bsdf_of_body(self) -> tuple[Any, list[Any]]:
-        """Dr.Jit lookup (BSDFPtr), NO_BODY + 1 entries; and the BSDFs, which live as long as this does."""
+    def _bsdfs(self) -> tuple[Any, list[Any]]:
+        """That lookup, and the BSDFs, which live as long as this does."""
         mi = backend.mitsuba()
         import drjit as dr
 
@@ -187,7 +189,14 @@ def _mitsuba_mesh(mesh: Mesh) -> Any:
     if mesh.uvs is not None:
         parameters["vertex_texcoords"] = np.ascontiguousarray(mesh.uvs, np.float32).ravel()
     parameters.update()
+    shape.set_bsdf(_bsdf_of_shapes())
     return shape
+
+
+@cache
+def _bsdf_of_shapes() -> Any:
+    """One for all shapes, which nobody asks: without it each would make one of its own."""
+    return backend.mitsuba().load_dict({"type": "diffuse"})
 
 
 def _lamp_mesh(lamp: Lamp) -> Mesh:

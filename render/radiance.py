@@ -90,7 +90,8 @@ def stop_at_first_surface(
     """Both imagers' layers without mirror images and mutual light: with what surfaces get straight from projector,
     lamps and surroundings alone.
 
-    rendered: by `render_stereo` with the same arguments; its glossy paths are used again. ValueError when it is not.
+    rendered: by `render_stereo` with the same arguments, which is the caller's word; its glossy paths are used again.
+    ValueError for layers that carry none.
     """
     direct, known, images = replace(sampling, max_depth=1), None, []
     for first, layers in zip((view.left, view.right), rendered, strict=True):

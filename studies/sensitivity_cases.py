@@ -28,7 +28,7 @@ from studies.cases import case_digest
 from studies.config import Config
 from studies.sensitivity_preset import OWN, Light, Preset, Sweep
 
-CASE, TWIN = "sensitivity 2", "sensitivity twin 2"
+CASE, TWIN = "sensitivity 3", "sensitivity twin 2"
 """What the hashes of a case and of a twin call them; the number rises when labels come to mean something else."""
 FIRST_AZIMUTH_DEG = 20.0
 """Azimuth of seed 0 [deg]. Choice: no symmetry plane of lamps, room or lay."""

@@ -9,7 +9,10 @@ from studies.cases import case_digest, finished_case, prepare_output, writing
 from studies.config import Config
 from studies.latest import point_latest
 
-VERSIONED = ("franbv", "mitsuba", "drjit", "numpy", "scipy", "scikit-learn", "opencv-python-headless")
+VERSIONED = (
+    "franbv", "mitsuba", "drjit", "numpy", "scipy", "scikit-learn", "opencv-python-headless", "numba", "llvmlite",
+    "trimesh",
+)  # fmt: skip
 """Packages whose version can change a result."""
 
 

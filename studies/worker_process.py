@@ -16,6 +16,7 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from typing import Any
 
+from materials.input_error import InputError
 from studies.cases import FutileError
 
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -128,8 +129,8 @@ def _attempt(call: Callable[[], None]) -> Fault | None:
 
 
 def one_line(error: BaseException) -> str:
-    """An exception's type and message without line breaks."""
-    return " ".join(f"{type(error).__name__}: {error}".split())
+    """An exception's type and message without line breaks; the message alone where it is for people."""
+    return " ".join((str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {error}").split())
 
 
 def _end_with_parent(lifeline: Connection) -> None:

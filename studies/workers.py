@@ -43,6 +43,8 @@ class Failure:
     name: str
     reason: str
     """One line."""
+    futile: bool = False
+    """Every other job meets the same, until somebody mends it."""
 
 
 def run_jobs(
@@ -116,7 +118,7 @@ class _Pool:
         failures: list[Failure] = []
 
         def give_up(job: Job, reason: str) -> None:
-            failures.append(Failure(job.name, reason))
+            failures.append(Failure(job.name, reason, self._futile is not None))
             self._tell(failures[-1])
             show(job.name, True)
 

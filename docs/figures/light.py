@@ -25,8 +25,8 @@ def main() -> None:
     scene, pose = part_scene("D"), first_view(Parameters(), 0.0)
     camera = SimulatedD435i(scene, SETTINGS)
     on_part = np.isin(camera.truth(pose).body, [i for i, body in enumerate(scene.bodies) if body.is_part])
-    left, _ = camera.render(pose)
-    once, _ = camera.changed(max_depth=1).render(pose)
+    left, right = camera.render(pose)
+    once, _ = camera.stopped_at_first_surface(pose, left, right)
     for name in ("projector", "ambient"):
         whole, direct = (float(getattr(layer, name)[on_part].mean()) for layer in (left, once))
         print(

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.spatial import ConvexHull
-from scipy.spatial.distance import pdist
+from scipy.spatial.distance import cdist
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
+from materials.input_error import InputError
 from scenes.scene import Mesh
 from scenes.topology import face_normals
 from studies.dataset import rle
@@ -20,6 +21,8 @@ from studies.dataset.draw import SceneDraw
 from studies.dataset.view import LabelledView, Silhouette, bounding_box
 from studies.images import MM
 
+MOST_CORNERS, BLOCK = 50_000, 1000
+"""Corners of a model's convex hull whose distances are measured, and rows of them at a time (choice: ten seconds)."""
 LEAST_VISIBLE = 0.1
 """Share of an object that must be seen for its COCO annotation to count (bop_toolkit, scripts/calc_gt_coco.py)."""
 
@@ -121,7 +124,12 @@ def model_info(mesh: Mesh) -> dict[str, float]:
     """Of one object in `models_info.json` [mm]."""
     points = MM * mesh.vertices
     low, size = points.min(axis=0), np.ptp(points, axis=0)
-    diameter = float(pdist(points[ConvexHull(points).vertices]).max())
+    corners = points[ConvexHull(points).vertices]
+    if len(corners) > MOST_CORNERS:
+        raise InputError(
+            f"a model has {len(corners)} corners on its convex hull; simplify it to {MOST_CORNERS} or fewer"
+        )
+    diameter = max(float(cdist(corners[k : k + BLOCK], corners).max()) for k in range(0, len(corners), BLOCK))
     lowest = {f"min_{axis}": value for axis, value in zip("xyz", low.tolist(), strict=True)}
     return {"diameter": diameter, **lowest} | {f"size_{axis}": s for axis, s in zip("xyz", size.tolist(), strict=True)}
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
 from materials.catalog import finish_names, material, material_names, metal_names
@@ -36,10 +37,10 @@ class BuiltScene:
     user: UserMaterials = NO_USER_MATERIALS
     """What its materials may be beside the built-in ones."""
 
-    def object_scene(self, number: int) -> Scene:
-        """One object alone, for its whole silhouette."""
-        bodies = tuple(body for body, owner in zip(self.scene.bodies, self.owner, strict=True) if owner == number)
-        return Scene(f"object {number}", bodies, (), 0.0)
+    def object_vertices(self, number: int) -> Float[np.ndarray, "n 3"]:
+        """Corners of one object, in the world [m]."""
+        bodies = zip(self.scene.bodies, self.owner, strict=True)
+        return np.concatenate([body.mesh.vertices for body, owner in bodies if owner == number])
 
 
 def build_scene(draw: SceneDraw, pool: Sequence[PoolObject], user: UserMaterials = NO_USER_MATERIALS) -> BuiltScene:

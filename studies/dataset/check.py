@@ -31,7 +31,7 @@ from studies.dataset.folders import (
     scene_name,
 )  # fmt: skip
 from studies.dataset.gathered import gather
-from studies.dataset.head import dataset_digest
+from studies.dataset.head import dataset_digest, input_digests
 from studies.dataset.index import derived_index, scene_folders
 from studies.dataset.objects import object_pool
 from studies.workers import usable_processors
@@ -71,7 +71,7 @@ class CheckCommand:
 def run(args: list[str]) -> int:
     """Check and print."""
     command = parse(CheckCommand, args, PROGRAM, HELP)
-    root, pool = existing_dataset(command.dir), None
+    root, pool = existing_dataset(command.dir).resolve(), None
     if command.config is not None:
         pool = pool_of(root, load_dataset_config(command.config))
     views, problems = dataset_problems(root, pool)
@@ -95,7 +95,11 @@ def pool_of(root: Path, config: DatasetConfig) -> Pool:
         same = True  # what is wrong with the dataset is the check's to say
     if not same:
         raise InputError(f"{root}: was not made from this configuration; give the one that it was made from")
-    return object_pool(config)
+    pool = object_pool(config)
+    for name, digest in input_digests(config, pool).items():
+        if digest not in (*(entry.get("blake2b") for entry in top["objects"]), *top["measured"].values()):
+            raise InputError(f"{name}: is not the file that {root} was made from; give that one")
+    return pool
 
 
 def needs_cad(root: Path) -> bool:

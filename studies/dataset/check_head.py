@@ -23,7 +23,7 @@ from studies.dataset.folders import (
     read_json,
     scene_name,
 )  # fmt: skip
-from studies.dataset.head import head
+from studies.dataset.head import head, measured_names
 
 SIZES_MM = (5.0, 1000.0)
 """Sides of objects that can be in millimetres [mm]: a screw to what a table holds."""
@@ -58,7 +58,9 @@ def stray_problems(root: Path, top: dict[str, Any], config: DatasetConfig) -> It
 
 def table_problems(top: dict[str, Any], config: DatasetConfig, pool: Pool | None) -> Iterator[str]:
     """`dataset.json` says of codes, materials, layers and objects what this configuration gives."""
-    wanted = head(config, pool or ())
+    # Files that the dataset was made of are elsewhere, under whatever name: their hashes are taken as they are stated.
+    measured = {name: str(top["measured"][name]) for name in measured_names(config)}
+    wanted = head(config, pool or (), measured)
     for key in wanted:
         if (pool is not None or key != "objects") and (what := difference(top.get(key), wanted[key], key)):
             yield f"{DATASET}: {what}"

@@ -11,7 +11,7 @@ from scipy.spatial.transform import RigidTransform
 from franbv.frames import Intrinsics, project
 from studies.dataset.layers import MASKS, Layer
 from studies.dataset.reader import read_layer
-from studies.dataset.view import Silhouette, bounding_box
+from studies.dataset.view import NO_BOX, Silhouette, bounding_box
 
 Box = tuple[int, int, int, int]
 TIP_PX = 3
@@ -40,14 +40,18 @@ def read_silhouettes(
 
 
 def silhouette_fault(
-    stated: Silhouette, vertices: Float[np.ndarray, "n 3"], pose: RigidTransform, k: Intrinsics
+    stated: Silhouette, in_sight: bool, vertices: Float[np.ndarray, "n 3"], pose: RigidTransform, k: Intrinsics
 ) -> str | None:
     """What cannot be of the box and the number of pixels of an object with these corners in the world [m].
 
-    Inside the image both follow from the mask. Beyond it, on a canvas of three images' width and height, the box ends
-    where the outermost corners are seen, short of those off the canvas, and holds no more pixels than fit in.
+    in_sight: whether anything of it is seen; otherwise it has no box. Inside the image both follow from the mask.
+    Beyond it, on a canvas of three images' width and height, the box ends where the outermost corners are seen, short
+    of those off the canvas, and holds no more pixels than fit in.
     """
     inside = int(np.count_nonzero(stated.mask))
+    if not in_sight:
+        right = stated.box == NO_BOX and inside <= stated.pixels <= 9 * k.width * k.height
+        return None if right else "bbox_obj of an object out of sight is not -1, or px_count_all cannot be"
     x, y, w, h = stated.box
     left, top, right, bottom = max(x, 0), max(y, 0), min(x + w, k.width), min(y + h, k.height)
     if (left, top, right, bottom) == (x, y, x + w, y + h) or w <= 0:

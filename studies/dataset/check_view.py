@@ -116,8 +116,8 @@ def mask_faults(
     if scene.built is not None:
         pose = RigidTransform.from_matrix(np.array(scene.draw.views[view.number].T_world_cam))
         for place, silhouette in enumerate(silhouettes):
-            points = scene.built.object_scene(place).part_mesh().vertices
-            if what := silhouette_fault(silhouette, points, pose, scene.rig.intrinsics):
+            points = scene.built.object_vertices(place)
+            if what := silhouette_fault(silhouette, bool(visible[place].any()), points, pose, scene.rig.intrinsics):
                 faults.append((INFO, f"object {place}: {what}"))
     again = LabelledView(
         {"depth": depth}, np.zeros((0, *depth.shape), np.uint16), tuple(silhouettes), visible, 0.0, 0.0

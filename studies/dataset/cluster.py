@@ -1,7 +1,7 @@
 """The same scenes on Dask workers: each scene is one task, tried again elsewhere when it fails, then reported.
 
 Every worker must reach the dataset's folder under the same path (a shared file system). `dask worker --nthreads 1`
-wants no more threads: one process renders one scene at a time.
+wants no more threads: one process renders one scene at a time. `--lifetime 1h --lifetime-restart` recycles workers.
 """
 
 import contextlib
@@ -93,12 +93,13 @@ class Cluster:
                 del waiting[future]
                 if future.status == "finished":
                     continue
-                error = future.exception()
-                given_up = [future, *waiting] if isinstance(error, FutileError) else [future]
-                failures += [Failure(names[one], one_line(error)) for one in given_up]
+                error, futile = future.exception(), isinstance(future.exception(), FutileError)
+                given_up = [future, *waiting] if futile else [future]
+                reason = one_line(error) if error else f"the scheduler at {self.address} was lost"
+                failures += [Failure(names[one], reason, futile) for one in given_up]
                 for failure in failures[-len(given_up) :]:
                     tell(failure)
-                if isinstance(error, FutileError):
+                if futile:
                     self.client.cancel(list(waiting))
                     break
         return failures

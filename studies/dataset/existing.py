@@ -9,7 +9,7 @@ from studies.console import warn
 from studies.dataset.config import DatasetConfig
 from studies.dataset.folders import MANIFEST, SPLIT, read_json, removed_at_once, scene_name
 from studies.dataset.index import scene_folders
-from studies.dataset.scene_files import scene_fault
+from studies.dataset.scene_files import OF_ANOTHER, scene_fault
 
 Maker = dict[str, Any]
 """`renderer` and `versions` of a manifest: what decides the bytes of a scene beside its configuration."""
@@ -26,6 +26,8 @@ def sound_scenes(root: Path, config: DatasetConfig, digest: str) -> list[int]:
         if name not in numbers:
             raise InputError(f"{root / SPLIT / name}: is no scene of this dataset; move it away")
         fault = scene_fault(root / SPLIT / name, config, digest, numbers[name])
+        if fault == OF_ANOTHER:
+            raise InputError(f"{root / SPLIT / name}: {fault}; move it away")
         if fault:
             warn(f"{SPLIT}/{name}: {fault}; the scene is made again")
             removed_at_once(root, root / SPLIT / name)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from materials.input_error import InputError
 from materials.user_materials import UserMeasured
@@ -36,18 +36,32 @@ def dataset_digest(config: DatasetConfig) -> str:
     return case_digest(COMMAND, recorded(config))
 
 
-def head(config: DatasetConfig, pool: Sequence[PoolObject]) -> dict[str, Any]:
-    """`dataset.json`."""
+def measured_names(config: DatasetConfig) -> list[str]:
+    """The materials that are BSDF files."""
+    return [name for name, entry in config.materials.user.items() if isinstance(entry, UserMeasured)]
+
+
+def measured_digests(config: DatasetConfig) -> dict[str, str]:
+    """Hash of every BSDF file, by the material's name."""
+    user = config.materials.user
+    return {name: file_digest(cast(UserMeasured, user[name]).file) for name in measured_names(config)}
+
+
+def input_digests(config: DatasetConfig, pool: Sequence[PoolObject]) -> dict[str, str]:
+    """Hashes of the CAD and BSDF files that scenes are made of, by file name."""
+    cad = {str(thing.name): thing.digest for thing in pool if thing.digest}
+    user, measured = config.materials.user, measured_digests(config)
+    return cad | {cast(UserMeasured, user[name]).file.name: digest for name, digest in measured.items()}
+
+
+def head(config: DatasetConfig, pool: Sequence[PoolObject], measured: dict[str, str]) -> dict[str, Any]:
+    """`dataset.json`. measured: `measured_digests`."""
     return {
         "title": config.title,
         "digest": dataset_digest(config),
         "config": recorded(config).model_dump(mode="json"),
         "objects": [{"obj_id": o.number, "name": o.name, "blake2b": o.digest} for o in pool],
-        "measured": {
-            name: file_digest(entry.file)
-            for name, entry in config.materials.user.items()
-            if isinstance(entry, UserMeasured)
-        },
+        "measured": measured,
         "materials": list(material_classes(config.materials.of_user)),
         "causes": {str(int(cause)): LEGEND[cause].name for cause in Cause if cause is not Cause.UNMEASURED},
         "layers": {layer.folder: layer.meaning for layer in layers_of(config.n_frames)},
@@ -56,11 +70,8 @@ def head(config: DatasetConfig, pool: Sequence[PoolObject]) -> dict[str, Any]:
 
 
 def write_head(root: Path, config: DatasetConfig, pool: Sequence[PoolObject]) -> None:
-    """Write it, or check that what is there is the same; InputError if the folder holds another dataset."""
-    wanted = compact_json(head(config, pool))
+    """Write what of it is missing or was changed; `dataset.json` stays as it is."""
     path = root / DATASET
-    if path.exists():
-        _check_same(path, config, wanted)
     files = {f"{MODELS}/obj_{o.number:06d}.ply": bop.model_ply(o.mesh) for o in pool}
     files[f"{MODELS}/models_info.json"] = compact_json({o.number: bop.model_info(o.mesh) for o in pool})
     profiles = sorted(name for name, weight in config.camera.profiles.items() if weight)
@@ -73,19 +84,25 @@ def write_head(root: Path, config: DatasetConfig, pool: Sequence[PoolObject]) ->
         if not (root / name).is_file() or (root / name).read_bytes() != data:
             write_atomically(root / name, data)
     if not path.exists():  # last: a folder with it has the rest
-        write_atomically(path, wanted)
+        write_atomically(path, compact_json(head(config, pool, measured_digests(config))))
 
 
-def _check_same(path: Path, config: DatasetConfig, wanted: bytes) -> None:
-    if path.read_bytes() == wanted:
+def check_same(root: Path, config: DatasetConfig, pool: Sequence[PoolObject]) -> None:
+    """InputError where the folder holds another dataset; the order of a configuration's keys does not matter."""
+    wanted, path = head(config, pool, measured_digests(config)), root / DATASET
+    if not path.exists():
         return
     try:
-        before = DatasetConfig.model_validate(read_json(path)["config"])
-    except (ValueError, KeyError, TypeError):
+        top = read_json(path)
+        before, differing = DatasetConfig.model_validate(top["config"]), [k for k in wanted if top.get(k) != wanted[k]]
+    except (ValueError, KeyError, TypeError, AttributeError):
         raise InputError(f"{path}: cannot be read; choose another folder, or remove this one") from None
     if canonical_json(before) == canonical_json(recorded(config)):
+        if not differing or differing == ["config"]:
+            return
         raise InputError(
-            f"{path}: was begun by another version, or with other CAD or BSDF files; choose another folder"
+            f"{path}: was begun by another version, or with other CAD or BSDF files (`{differing[0]}` differs); choose "
+            "another folder"
         )
     old, new = before.model_dump(mode="json"), recorded(config).model_dump(mode="json")
     key = next(name for name in new if old.get(name) != new[name])

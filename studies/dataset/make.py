@@ -5,7 +5,7 @@ import fcntl
 import os
 import shutil
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -21,10 +21,10 @@ from studies.dataset.card import write_card
 from studies.dataset.cluster import Cluster, connected
 from studies.dataset.config import DatasetConfig, load_dataset_config
 from studies.dataset.existing import agreed_maker, scene_makers, sound_scenes
-from studies.dataset.folders import MODELS, SPLIT, WORK, read_json, removed_at_once, scene_name
-from studies.dataset.head import dataset_digest, write_head
+from studies.dataset.folders import DATASET, MODELS, SPLIT, WORK, read_json, removed_at_once, scene_name
+from studies.dataset.head import check_same, dataset_digest, input_digests, write_head
 from studies.dataset.index import scene_folders, write_index
-from studies.dataset.objects import object_pool
+from studies.dataset.objects import PoolObject, object_pool
 from studies.dataset.scene_case import SceneTask, make_scene, maker
 from studies.single_case import versions
 from studies.workers import Failure, Job, limit_renderer, run_jobs, worker_count
@@ -60,6 +60,8 @@ def run(args: list[str]) -> int:
     workers = worker_count(command.workers)
     if command.resource and not command.scheduler:
         raise InputError("--resource is for --scheduler; leave it out")
+    if command.workers is not None and command.scheduler:
+        raise InputError("--workers is for this machine; leave it out, since the scheduler has workers of its own")
     config = load_dataset_config(command.config)
     if command.views is not None:
         config = validated(DatasetConfig, config.model_dump() | {"views": command.views}, "--views")
@@ -71,10 +73,11 @@ def run(args: list[str]) -> int:
     with scheduler as cluster:  # before anything is written
         prepare_output(root)
         with _alone(root), output_errors(root):
+            check_ours(root)
+            (root / WORK).mkdir(exist_ok=True)  # first of all: what is half-written is ours from here on
             clear_debris(root)
-            write_head(root, config, pool)
             try:
-                failures, made = make_missing(root, config, workers, cluster)
+                failures, made = make_missing(root, config, pool, workers, cluster)
             finally:
                 with contextlib.suppress(OSError):  # unless something in it is worth keeping
                     (root / WORK).rmdir()
@@ -86,30 +89,36 @@ def run(args: list[str]) -> int:
     say(sentence(root, figures))
     if command.json:
         say_json(figures)
-    return 1 if failures else 0
+    return 2 if any(failure.futile for failure in failures) else 1 if failures else 0
+
+
+def check_ours(root: Path) -> None:
+    """InputError for a folder that holds anything but a dataset of ours, or one that was just begun."""
+    if not any((root / name).exists() for name in (DATASET, WORK)) and any(root.iterdir()):
+        raise InputError(f"{root}: holds other files, and no {DATASET}; give an empty folder, or that of a dataset")
 
 
 def make_missing(
-    root: Path, config: DatasetConfig, workers: int, cluster: Cluster | None
+    root: Path, config: DatasetConfig, pool: Sequence[PoolObject], workers: int, cluster: Cluster | None
 ) -> tuple[list[Failure], list[int]]:
     """Make the scenes that are not there whole; returns those that were given up, and the numbers of those tried."""
-    for folder in (root / WORK, root / SPLIT):
-        folder.mkdir(exist_ok=True)
+    check_same(root, config, pool)
+    (root / SPLIT).mkdir(exist_ok=True)
     for leftover in list((root / WORK).glob("*-*")):  # of processes that were killed, and of some that may live on
         removed_at_once(root, leftover)
     digest = dataset_digest(config)
     sound = sound_scenes(root, config, digest)
     missing = sorted(set(range(config.scenes)) - set(sound))
-    if not missing:
-        return [], []
     made_by = agreed_maker(scene_makers(root, sound))
     there = [] if made_by is None else [(str(root), made_by)]
-    if cluster:
+    if cluster and missing:
         cluster.check_folder(root / WORK)
         made_by = agreed_maker([*there, *cluster.answers(maker).items()])
-    elif made_by:
-        agreed_maker([*there, ("this machine", {**made_by, "versions": versions()})])
-    tasks = [SceneTask(root, config, digest, number, made_by) for number in missing]
+    if made_by and missing:  # models and tables are written here
+        agreed_maker([(str(root), made_by), ("this machine", {**made_by, "versions": versions()})])
+    write_head(root, config, pool)
+    inputs = input_digests(config, pool)
+    tasks = [SceneTask(root, config, digest, number, made_by, inputs) for number in missing]
     jobs = [Job(task.title, make_scene, task) for task in tasks]
     tell = _reasons_once()
     failures = cluster.run(jobs, tell) if cluster else run_jobs([jobs], workers, limit_renderer, len(sound), tell)

@@ -4,14 +4,13 @@ The model frame is BOP's: z up as designed, origin in the middle of the bounding
 """
 
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
 from materials.user_materials import UserMaterials
-from render.mitsuba_scene import LoadedScene, load_scene
 from scenes.part_materials import part_materials
 from scenes.parts import part_bodies
 from scenes.pile import surface_samples
@@ -21,6 +20,9 @@ from scenes.stable_poses import StablePose, centre_of_mass, stable_poses
 from scenes.user_mesh import load_user_part
 from studies.cases import file_digest
 from studies.dataset.config import DatasetConfig, UserCad
+
+MOST_POOLS = 4
+"""Kept in a process (choice: one is in use at a time)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +43,7 @@ class PoolObject:
     @cached_property
     def mesh(self) -> Mesh:
         """All bodies as one mesh."""
-        return Scene(self.name, self.bodies, (), 0.0).part_mesh()
+        return self.scene.part_mesh()
 
     @cached_property
     def centre(self) -> Float[np.ndarray, "3"]:
@@ -53,10 +55,10 @@ class PoolObject:
         """The ways in which it can lie."""
         return stable_poses(self.mesh)
 
-    @cached_property
-    def alone(self) -> LoadedScene:
-        """Nothing but the object, in its model frame, for its whole silhouette."""
-        return load_scene(Scene(self.name, self.bodies, (), 0.0))
+    @property
+    def scene(self) -> Scene:
+        """Nothing but the object, in its model frame."""
+        return Scene(self.name, self.bodies, (), 0.0)
 
     @cached_property
     def samples(self) -> Float[np.ndarray, "n 3"]:
@@ -64,14 +66,16 @@ class PoolObject:
         return surface_samples(self.mesh)
 
 
-@cache
-def _cached_pool(key: str) -> tuple[PoolObject, ...]:
-    return _pool(DatasetConfig.model_validate_json(key))
+@lru_cache(MOST_POOLS)
+def _cached_pool(config: str, digests: tuple[str | None, ...]) -> tuple[PoolObject, ...]:
+    del digests  # a file that was changed is loaded again
+    return _pool(DatasetConfig.model_validate_json(config))
 
 
 def object_pool(config: DatasetConfig) -> tuple[PoolObject, ...]:
     """All objects of the configuration, loaded once a process; InputError for a CAD file that cannot be used."""
-    return _cached_pool(config.model_dump_json())
+    files = (entry.file for entry in config.objects.cad)
+    return _cached_pool(config.model_dump_json(), tuple(file_digest(f) if f.is_file() else None for f in files))
 
 
 def _pool(config: DatasetConfig) -> tuple[PoolObject, ...]:

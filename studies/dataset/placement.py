@@ -65,7 +65,10 @@ def clutter_mesh(shape: str, size: tuple[float, float, float]) -> Mesh:
 def placed_objects(
     config: DatasetConfig, pool: Sequence[PoolObject], count: int, rng: np.random.Generator, places: np.random.Generator
 ) -> list[Placed]:
-    """`count` objects drawn from the pool; a single one stands about in the middle, several are piled up."""
+    """`count` objects drawn from the pool; a single one stands about in the middle, several are piled up.
+
+    Where none of several stays, too thin or too wide for a pile, the first one is placed like a single one.
+    """
     by_name = {o.name: o for o in pool}
     drawn = [
         (by_name[pick(rng, {o.name: o.weight for o in pool})], drawn_material(rng, config.materials))
@@ -75,7 +78,7 @@ def placed_objects(
         return [_single(config, *drawn[0], places)]
     pile = Pile()
     placed = [_piled(pile, thing, material, config.objects.spread_m, places) for thing, material in drawn]
-    return [thing for thing in placed if thing is not None]
+    return [thing for thing in placed if thing is not None] or [_single(config, *drawn[0], places)]
 
 
 def _single(config: DatasetConfig, thing: PoolObject, material: str, rng: np.random.Generator) -> Placed:

@@ -38,7 +38,7 @@ class Dataset(Sequence["View"]):
                 for folder in sorted(path for path in (self.root / SPLIT).glob("*") if _is_scene(path))
                 for number in sorted(map(int, read_json(folder / "scene_camera.json")))
             ]
-        except (OSError, ValueError, KeyError) as error:
+        except Exception as error:  # whatever is malformed, down to a nesting without end
             raise InputError(f"{root}: cannot be read ({error}); run `franbv dataset check {root}`") from None
 
     @property
@@ -100,8 +100,10 @@ class View:
 
     @property
     def frames(self) -> Float[np.ndarray, "n h w"]:
-        """The single depth frames, where they are kept [m]."""
+        """The single depth frames [m]; ValueError where they were not kept."""
         paths = sorted((self.folder / FRAMES.folder).glob(f"{self.number:06d}_*.png"))
+        if not paths:
+            raise ValueError(f"{self.folder}: single frames were not kept; make the dataset with `keep_frames: true`")
         return np.stack([decoded(FRAMES, read_layer(path, FRAMES)) for path in paths])
 
     def masks(self, visible: bool = True) -> Bool[np.ndarray, "n h w"]:
@@ -120,6 +122,11 @@ class View:
     def intrinsics(self) -> Float[np.ndarray, "3 3"]:
         """K of all full-size images [px]."""
         return np.array(self._scene["scene_camera"][str(self.number)]["cam_K"]).reshape(3, 3)
+
+    @property
+    def intrinsics_decimated(self) -> Float[np.ndarray, "3 3"]:
+        """K of the decimated images, along the middle of each block [px]."""
+        return np.array(self._scene["scene"]["K_decimated"]).reshape(3, 3)
 
     @property
     def T_world_cam(self) -> Float[np.ndarray, "4 4"]:  # noqa: N802  # the frame's name
@@ -149,7 +156,9 @@ class View:
 
 
 def read_layer(path: Path, layer: Layer) -> np.ndarray:
-    """A PNG of this coding; ValueError where it is something else or larger than any stream."""
+    """A PNG of this coding; ValueError where it is something else, larger than any stream, or in a linked folder."""
+    if path.parent.is_symlink():
+        raise ValueError(f"{path.parent}: is a link, which may lead anywhere")
     data = bounded_bytes(path)
     width, height = (int.from_bytes(data[k : k + 4], "big") for k in (16, 20))
     if not data.startswith(b"\x89PNG\r\n\x1a\n") or not 0 < width * height <= MOST_PIXELS:

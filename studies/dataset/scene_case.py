@@ -16,6 +16,7 @@ from scipy.spatial.transform import RigidTransform
 from render import backend
 from render.d435i import SimulatedD435i
 from render.matte_twin import twin_camera
+from render.mitsuba_scene import load_scene
 from render.radiance import Sampling
 from studies.cases import FutileError, output_errors
 from studies.dataset import bop
@@ -34,6 +35,7 @@ from studies.dataset.folders import (
     scene_name,
     written_whole,
 )  # fmt: skip
+from studies.dataset.head import input_digests
 from studies.dataset.layers import FRAMES, MASKS
 from studies.dataset.objects import PoolObject, object_pool
 from studies.dataset.scene_files import scene_files
@@ -59,6 +61,8 @@ class SceneTask:
     scene: int
     made_by: Maker | None = None
     """What the others are made by; None = nobody knows yet."""
+    inputs: dict[str, str] | None = None
+    """Hashes of the CAD and BSDF files by name; None = whatever is there."""
 
     @property
     def title(self) -> str:
@@ -94,6 +98,7 @@ def make_scene(task: SceneTask) -> None:
     clock = Clock()
     with clock.stage("drawing and placing"):
         pool = object_pool(task.config)
+        check_inputs(task, pool)
         draw = draw_scene(task.config, pool, task.scene)
     with clock.stage("loading the scene"):
         built = build_scene(draw, pool, task.config.materials.of_user)
@@ -111,6 +116,16 @@ def make_scene(task: SceneTask) -> None:
         (task.root / WORK / f"{scene_name(task.scene)}.json").write_bytes(compact_json(times))
 
 
+def check_inputs(task: SceneTask, pool: Sequence[PoolObject]) -> None:
+    """FutileError where a file that scenes are made of is not the one that the dataset was begun with."""
+    there = input_digests(task.config, pool) if task.inputs is not None else {}
+    for name, digest in (task.inputs or {}).items():
+        if there.get(name) != digest:
+            raise FutileError(
+                f"{name}: is not the file that {task.root} was begun with; use that one, or another folder"
+            )
+
+
 def scene_cameras(config: DatasetConfig, draw: SceneDraw, built: BuiltScene, pool: Sequence[PoolObject]) -> Cameras:
     """The camera before the scene, its twin, and every object alone."""
     rendering = config.rendering
@@ -118,9 +133,10 @@ def scene_cameras(config: DatasetConfig, draw: SceneDraw, built: BuiltScene, poo
         glossy_paths=rendering.glossy_paths, refined_share=0.0, indirect_directions=rendering.indirect_directions
     )
     real = SimulatedD435i(built.scene, sensor_settings(config, draw), draw.noise_seed, sampling)
-    by_number = {thing.number: thing for thing in pool}
+    drawn = {thing.object_id for thing in draw.objects}
+    alone = {thing.number: load_scene(thing.scene) for thing in pool if thing.number in drawn}
     lone = tuple(
-        LoneObject(by_number[thing.object_id].alone, RigidTransform.from_matrix(np.array(thing.T_world_model)))
+        LoneObject(alone[thing.object_id], RigidTransform.from_matrix(np.array(thing.T_world_model)))
         for thing in draw.objects
     )
     return Cameras(built, real, twin_camera(real), lone)

@@ -14,6 +14,8 @@ from studies.dataset.layers import layers as layers_of
 
 TEXTS = ("scene_camera.json", "scene_gt.json", "scene_gt_info.json", "scene_gt_coco.json", SCENE, STATISTICS)
 """Beside the images and the manifest."""
+OF_ANOTHER = "is a scene of another dataset"
+"""The one fault that is not mended by making the scene again."""
 
 
 def scene_files(config: DatasetConfig, n_views: int, n_objects: int) -> set[str]:
@@ -43,7 +45,7 @@ def _fault(folder: Path, manifest: dict[str, Any], config: DatasetConfig, digest
     if not isinstance(manifest["renderer"], str) or not isinstance(manifest["versions"], dict):
         raise ValueError("does not say what made it")
     if (manifest["dataset"], manifest["scene"], manifest["views"]) != (digest, number, views):
-        return "is a scene of another dataset"
+        return OF_ANOTHER
     listed = manifest["files"]
     texts_first = sorted({*TEXTS, *listed}, key=lambda name: (name not in TEXTS, name))
     for name in texts_first:

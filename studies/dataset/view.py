@@ -25,6 +25,10 @@ Stage = Callable[[str], AbstractContextManager[None]]
 """Times what is done in it under a name."""
 
 
+NO_BOX = (-1, -1, -1, -1)
+"""Of what is not seen, as BOP writes it."""
+
+
 @dataclass(frozen=True, eq=False)
 class Silhouette:
     """An object as if it were alone."""
@@ -32,7 +36,7 @@ class Silhouette:
     mask: Bool[np.ndarray, "h w"]
     """Inside the image."""
     box: tuple[int, int, int, int]
-    """x, y, width, height, beyond the image too [px]; all -1 where nothing of it is in view."""
+    """x, y, width, height, beyond the image too [px]; all -1 where nothing of it is seen, as BOP has it."""
     pixels: int
     """Of the whole silhouette, beyond the image too."""
 
@@ -161,16 +165,16 @@ def silhouette(
     reaches beyond the image too (as BOP counts)."""
     left, top, width, height = canvas_window(world, intrinsics, pose)
     if width == 0 or height == 0:
-        return Silhouette(visible, (-1, -1, -1, -1), int(np.count_nonzero(visible)))
+        return Silhouette(np.zeros_like(visible), NO_BOX, 0)
     seen = surface_map(world, intrinsics.cropped(left, top, width, height), pose).body != NO_BODY
-    rows = slice(max(top, 0), max(min(top + height, intrinsics.height), 0))
-    columns = slice(max(left, 0), max(min(left + width, intrinsics.width), 0))
+    rows = slice(*np.clip([top, top + height], 0, intrinsics.height).tolist())
+    columns = slice(*np.clip([left, left + width], 0, intrinsics.width).tolist())
     inside = np.s_[rows.start - top : rows.stop - top, columns.start - left : columns.stop - left]
     seen[inside] |= visible[rows, columns]  # a ray along an edge may hit in one scene and miss in the other
     mask = np.zeros_like(visible)
     mask[rows, columns] = seen[inside]
     x, y, w, h = bounding_box(seen)
-    box = (x + left, y + top, w, h) if w > 0 else (x, y, w, h)
+    box = (x + left, y + top, w, h) if visible.any() else NO_BOX
     return Silhouette(mask, box, int(np.count_nonzero(seen)))
 
 
@@ -195,5 +199,5 @@ def bounding_box(mask: Bool[np.ndarray, "h w"]) -> tuple[int, int, int, int]:
     """x, y, width, height of a mask [px]; all -1 where it is empty, as BOP writes it."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     if not len(rows):
-        return -1, -1, -1, -1
+        return NO_BOX
     return int(columns[0]), int(rows[0]), int(columns[-1] - columns[0] + 1), int(rows[-1] - rows[0] + 1)

@@ -12,7 +12,7 @@ from studies.dataset.built_scene import BUILT_IN_CLASSES, build_scene
 from studies.dataset.choices import drawn_material, log_uniform, pick
 from studies.dataset.config import DatasetConfig, load_dataset_config
 from studies.dataset.draw import CLEARANCE, draw_scene
-from studies.dataset.head import head, recorded
+from studies.dataset.head import head, measured_digests, recorded
 from studies.dataset.objects import object_pool
 
 DRAWS = 4000
@@ -97,7 +97,7 @@ surroundings:"""
     metals = [made for made in made_of if isinstance(made, RoughConductor)]
     assert {(made.n, made.k, made.name.partition("@")[0]) for made in metals} == {(2.91, 4.42, "my_steel:polished")}
     assert {made.name for made in made_of if made not in metals} == {"my_cover"}
-    classes = head(config, pool)["materials"]
+    classes = head(config, pool, measured_digests(config))["materials"]
     assert classes[: len(BUILT_IN_CLASSES)] == list(BUILT_IN_CLASSES)
     assert classes[-2:] == ["my_cover", "my_card"]
     assert "my_steel:oxidised" not in classes
