@@ -24,7 +24,7 @@ from studies.dataset.existing import agreed_maker, scene_makers, sound_scenes
 from studies.dataset.folders import DATASET, MODELS, SPLIT, WORK, read_json, removed_at_once, scene_name
 from studies.dataset.head import check_same, dataset_digest, input_digests, write_head
 from studies.dataset.index import scene_folders, write_index
-from studies.dataset.objects import PoolObject, object_pool
+from studies.dataset.objects import PoolObject, check_body_count, object_pool
 from studies.dataset.scene_case import SceneTask, make_scene, maker
 from studies.single_case import versions
 from studies.workers import Failure, Job, limit_renderer, run_jobs, worker_count
@@ -68,6 +68,7 @@ def run(args: list[str]) -> int:
     pool = object_pool(config)
     for notice in (notice for thing in pool for notice in thing.notices):
         warn(f"{PROGRAM}: {notice}")
+    check_body_count(config, pool)
     root = command.dir.resolve()
     scheduler = connected(command.scheduler, command.resource) if command.scheduler else contextlib.nullcontext()
     with scheduler as cluster:  # before anything is written

@@ -10,13 +10,16 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
+from materials.input_error import InputError
 from materials.user_materials import UserMaterials
+from render.mitsuba_scene import FIRST_LAMP
 from scenes.part_materials import part_materials
 from scenes.parts import part_bodies
 from scenes.pile import surface_samples
 from scenes.primitives import moved
 from scenes.scene import Body, Mesh, Scene
 from scenes.stable_poses import StablePose, centre_of_mass, stable_poses
+from scenes.surroundings import room
 from scenes.user_mesh import load_user_part
 from studies.cases import file_digest
 from studies.dataset.config import DatasetConfig, UserCad
@@ -76,6 +79,18 @@ def object_pool(config: DatasetConfig) -> tuple[PoolObject, ...]:
     """All objects of the configuration, loaded once a process; InputError for a CAD file that cannot be used."""
     files = (entry.file for entry in config.objects.cad)
     return _cached_pool(config.model_dump_json(), tuple(file_digest(f) if f.is_file() else None for f in files))
+
+
+def check_body_count(config: DatasetConfig, pool: tuple[PoolObject, ...]) -> None:
+    """InputError where a scene could hold more bodies than can be told apart."""
+    most_objects = config.objects.pile_parts[1] if config.objects.arrangement.get("pile") else 1
+    largest = max((thing for thing in pool if thing.weight), key=lambda thing: len(thing.bodies))
+    around = config.surroundings.clutter[1] + 1 + len(room())
+    if most_objects * len(largest.bodies) + around > FIRST_LAMP:
+        raise InputError(
+            f"{largest.name}: {most_objects} of its {len(largest.bodies)} bodies and {around} around are more than "
+            f"{FIRST_LAMP}; lower objects.pile_parts, or join bodies of one material"
+        )
 
 
 def _pool(config: DatasetConfig) -> tuple[PoolObject, ...]:

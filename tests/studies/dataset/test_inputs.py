@@ -73,6 +73,16 @@ def test_what_no_pile_holds_lies_alone(small_config: Path, tmp_path: Path, size_
     assert draw.left_out >= 1
 
 
+def test_more_bodies_than_can_be_told_apart_are_refused(
+    small_config: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+):
+    """Before anything is written, though such a scene may be drawn late or never."""
+    monkeypatch.setattr("studies.dataset.objects.FIRST_LAMP", 10)
+    assert main(["dataset", "make", str(small_config), str(tmp_path / "out")]) == 2
+    assert "lower objects.pile_parts" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_bsdf_file_is_not_looked_for_by_check(small_config: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """The dataset knows its name and hash alone: checked from another folder it is sound, and nothing is opened there
     that is called the same."""
