@@ -27,6 +27,13 @@ LEAST_VISIBLE = 0.1
 """Share of an object that must be seen for its COCO annotation to count (bop_toolkit, scripts/calc_gt_coco.py)."""
 
 
+def camera_file(intrinsics: Intrinsics) -> dict[str, float]:
+    """`camera.json`: of all images [px]; depth in millimetres."""
+    k = intrinsics
+    size = {"width": k.width, "height": k.height}
+    return size | {"fx": k.fx, "fy": k.fy, "cx": k.cx, "cy": k.cy, "depth_scale": 1.0}
+
+
 def camera_entry(intrinsics: Intrinsics, pose: RigidTransform) -> dict[str, Any]:
     """Of one view in `scene_camera.json`."""
     to_camera = pose.inv()

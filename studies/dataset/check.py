@@ -18,11 +18,13 @@ from studies.dataset.check_draw import Pool
 from studies.dataset.check_head import camera_problems, model_problems, stray_problems, table_problems
 from studies.dataset.check_scene import UNREADABLE, SceneCheck, check_scene
 from studies.dataset.config import DatasetConfig, load_dataset_config
+from studies.dataset.existing import difference
 from studies.dataset.folders import (
     CAMERA,
     CARD,
     DATASET,
     INDEX,
+    MANIFEST,
     MODELS,
     SPLIT,
     bounded_bytes,
@@ -34,6 +36,7 @@ from studies.dataset.gathered import gather
 from studies.dataset.head import dataset_digest, input_digests
 from studies.dataset.index import derived_index, scene_folders
 from studies.dataset.objects import object_pool
+from studies.single_case import versions
 from studies.workers import usable_processors
 
 PROGRAM = "franbv dataset check"
@@ -79,11 +82,22 @@ def run(args: list[str]) -> int:
         say(problem)
     say(f"{command.dir}: {views} views, {SOUND if not problems else f'{len(problems)} problems'}")
     say(mend(problems) if problems else NOT_CHECKED)
+    if problems and (what := other_version(root)):
+        say(f"The dataset was made by {what} here: problems may come from that; check it with what it was made by.")
     if not problems and pool is None and needs_cad(root):
         say("Draws and models were not made again, because CAD files are needed for that: give --config CONFIG.yaml.")
     if command.json:
         say_json({"views": views, "problems": len(problems)})
     return 1 if problems else 0
+
+
+def other_version(root: Path) -> str | None:
+    """In what the first scene's maker differs from what runs here, in words; None if in nothing, or it does not say."""
+    try:
+        made = read_json(root / SPLIT / scene_folders(root)[0] / MANIFEST)
+        return difference({"renderer": "", "versions": made["versions"]}, {"renderer": "", "versions": versions()})
+    except UNREADABLE:
+        return None
 
 
 def pool_of(root: Path, config: DatasetConfig) -> Pool:

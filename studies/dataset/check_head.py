@@ -69,11 +69,7 @@ def table_problems(top: dict[str, Any], config: DatasetConfig, pool: Pool | None
 def camera_problems(root: Path, config: DatasetConfig) -> Iterator[str]:
     """`camera.json` is of a stream profile that is drawn, in pixels and millimetres."""
     drawn = [d435i_rig(name).intrinsics for name, weight in config.camera.profiles.items() if weight]
-    possible = [
-        {"width": k.width, "height": k.height, "fx": k.fx, "fy": k.fy, "cx": k.cx, "cy": k.cy, "depth_scale": 1.0}
-        for k in drawn
-    ]
-    if read_json(root / CAMERA) not in possible:
+    if read_json(root / CAMERA) not in [bop.camera_file(k) for k in drawn]:
         yield f"{CAMERA}: is not of a stream profile that is drawn"
 
 

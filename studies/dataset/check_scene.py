@@ -19,11 +19,9 @@ from studies.dataset.config import DatasetConfig
 from studies.dataset.draw import SceneDraw
 from studies.dataset.folders import LARGEST_FILE, MANIFEST, SCENE, SPLIT, STATISTICS, read_json, scene_name
 from studies.dataset.gathered import made_by
-from studies.dataset.layers import FRAMES, MASKS
-from studies.dataset.layers import layers as layers_of
 from studies.dataset.scene_case import FORMAT
+from studies.dataset.scene_files import TEXTS, scene_files
 
-JSON_FILES = ("scene_camera.json", "scene_gt.json", "scene_gt_info.json", "scene_gt_coco.json", SCENE, STATISTICS)
 SAFE_NAME = re.compile(r"[a-z0-9_]+(/[a-z0-9_]+)?\.(png|json)")
 """No path that leaves the folder."""
 UNREADABLE = Exception
@@ -118,9 +116,9 @@ def _is_folder(path: Path) -> bool:
 
 def check_contents(check: SceneCheck, manifest: dict[str, Any]) -> None:
     """Everything that the files say, where they are as they were made."""
-    if check.changed.intersection(JSON_FILES):
+    if check.changed.intersection(TEXTS):
         return
-    camera, poses, info, coco, scene, statistics = (read_json(check.folder / name) for name in JSON_FILES)
+    camera, poses, info, coco, scene, statistics = (read_json(check.folder / name) for name in TEXTS)
     draw = SceneDraw.model_validate(scene["draw"])
     if draw.scene != check.scene:
         check.report(SCENE, f"is of scene {draw.scene}")
@@ -130,7 +128,7 @@ def check_contents(check: SceneCheck, manifest: dict[str, Any]) -> None:
     if manifest["noise_seed"] != draw.noise_seed:
         check.report(MANIFEST, "noise_seed is not that of the draw")
     keys = [str(number) for number in range(check.views)]
-    for name, entries in zip((*JSON_FILES[:3], STATISTICS), (camera, poses, info, statistics), strict=True):
+    for name, entries in zip((*TEXTS[:3], STATISTICS), (camera, poses, info, statistics), strict=True):
         if list(entries) != keys:
             check.report(name, "does not have one entry for each view, in order")
             return
@@ -180,13 +178,7 @@ def check_coco(check: SceneCheck, draw: SceneDraw, coco: dict[str, Any], annotat
 
 def check_file_names(check: SceneCheck, n_objects: int) -> None:
     """Every image of every view is there, and no other."""
-    layers = [layer.folder for layer in layers_of(check.config.n_frames)]
-    expected = {f"{folder}/{view:06d}.png" for folder in layers for view in range(check.views)}
-    numbered: dict[str, int] = dict.fromkeys(MASKS, n_objects)
-    if check.config.keep_frames:
-        numbered[FRAMES.folder] = check.config.n_frames
-    for folder, count in numbered.items():
-        expected |= {f"{folder}/{view:06d}_{place:06d}.png" for view in range(check.views) for place in range(count)}
+    expected = scene_files(check.config, check.views, n_objects) - set(TEXTS)
     found = {path.relative_to(check.folder).as_posix() for path in check.folder.rglob("*.png")}
     for name in sorted(expected - found - check.changed):
         check.report(name, "is missing")

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from render.causes import HOLES
 from studies.dataset.config import DatasetConfig
 from studies.dataset.draw import SceneDraw
 from studies.dataset.folders import DATASET, MANIFEST, SCENE, SPLIT, STATISTICS, read_json
@@ -48,7 +49,7 @@ def gather(root: Path) -> Gathered:
             cells = np.array(view)
             seen = cells[:, 2] == 1
             if seen.any():
-                missing = seen & (cells[:, 3] > 0) & (cells[:, 3] < 20)
+                missing = seen & np.isin(cells[:, 3], HOLES)
                 shares.append(float(cells[missing, 4].sum() / cells[seen, 4].sum()))
     config = DatasetConfig.model_validate(top["config"])
     return Gathered(config, top["materials"], draws, exposures, Counts.total(rows), sorted(makers), shares)

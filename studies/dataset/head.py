@@ -76,9 +76,7 @@ def write_head(root: Path, config: DatasetConfig, pool: Sequence[PoolObject]) ->
     files[f"{MODELS}/models_info.json"] = compact_json({o.number: bop.model_info(o.mesh) for o in pool})
     profiles = sorted(name for name, weight in config.camera.profiles.items() if weight)
     k = d435i_rig(profiles[0]).intrinsics
-    files[CAMERA] = compact_json(
-        {"width": k.width, "height": k.height, "fx": k.fx, "fy": k.fy, "cx": k.cx, "cy": k.cy, "depth_scale": 1.0}
-    )
+    files[CAMERA] = compact_json(bop.camera_file(k))
     (root / MODELS).mkdir(exist_ok=True)
     for name, data in files.items():
         if not (root / name).is_file() or (root / name).read_bytes() != data:

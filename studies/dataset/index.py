@@ -1,4 +1,4 @@
-"""The index of a dataset: scenes, their manifests' hashes, their views. Derived from the folders, so never trusted."""
+"""The index of a dataset: scenes and their manifests' hashes. Derived from the folders, so never trusted."""
 
 import hashlib
 from pathlib import Path

@@ -26,6 +26,7 @@ from studies.dataset.head import check_same, dataset_digest, input_digests, writ
 from studies.dataset.index import scene_folders, write_index
 from studies.dataset.objects import PoolObject, check_body_count, object_pool
 from studies.dataset.scene_case import SceneTask, make_scene, maker
+from studies.dataset.scene_files import is_of
 from studies.single_case import versions
 from studies.workers import Failure, Job, limit_renderer, run_jobs, worker_count
 
@@ -74,7 +75,7 @@ def run(args: list[str]) -> int:
     with scheduler as cluster:  # before anything is written
         prepare_output(root)
         with _alone(root), output_errors(root):
-            check_ours(root)
+            check_ours(root, dataset_digest(config))
             (root / WORK).mkdir(exist_ok=True)  # first of all: what is half-written is ours from here on
             clear_debris(root)
             try:
@@ -93,9 +94,11 @@ def run(args: list[str]) -> int:
     return 2 if any(failure.futile for failure in failures) else 1 if failures else 0
 
 
-def check_ours(root: Path) -> None:
-    """InputError for a folder that holds anything but a dataset of ours, or one that was just begun."""
-    if not any((root / name).exists() for name in (DATASET, WORK)) and any(root.iterdir()):
+def check_ours(root: Path, digest: str) -> None:
+    """InputError for a folder that holds anything but a dataset of ours, whole, just begun, or of this configuration
+    without its `dataset.json`."""
+    begun = any((root / name).exists() for name in (DATASET, WORK)) or not any(root.iterdir())
+    if not begun and not any(is_of(root / SPLIT / name, digest) for name in scene_folders(root)):
         raise InputError(f"{root}: holds other files, and no {DATASET}; give an empty folder, or that of a dataset")
 
 

@@ -27,6 +27,14 @@ def scene_files(config: DatasetConfig, n_views: int, n_objects: int) -> set[str]
     return names | set(TEXTS)
 
 
+def is_of(folder: Path, digest: str) -> bool:
+    """Whether a scene's manifest says that it belongs to the dataset of this configuration."""
+    try:
+        return read_json(folder / MANIFEST)["dataset"] == digest
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+
+
 def scene_fault(folder: Path, config: DatasetConfig, digest: str, number: int) -> str | None:
     """What keeps a scene that is there from being taken as it is; None if nothing does.
 

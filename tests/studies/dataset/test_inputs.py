@@ -108,6 +108,24 @@ def test_a_folder_of_others_is_left_alone(small_config: Path, tmp_path: Path, ca
     assert contents(tmp_path) == before
 
 
+def test_a_lost_head_is_written_again(small_config: Path, dataset: Path):
+    """Its scenes say that the folder is this dataset's."""
+    before = contents(dataset)
+    (dataset / "dataset.json").unlink()
+    assert main(["dataset", "make", str(small_config), str(dataset)]) == 0
+    assert contents(dataset) == before
+
+
+def test_check_says_that_another_version_made_it(dataset: Path, capsys: pytest.CaptureFixture):
+    """A difference may be the version's; said beside the problems."""
+    manifest = dataset / "train/000000/manifest.json"
+    told = json.loads(manifest.read_text())
+    told["versions"]["numpy"] = "0.1"
+    manifest.write_text(json.dumps(told))
+    assert main(["dataset", "check", str(dataset)]) == 1
+    assert "The dataset was made by numpy 0.1, not the " in capsys.readouterr().out
+
+
 def test_a_scene_of_another_dataset_is_left_alone(small_config: Path, dataset: Path, capsys: pytest.CaptureFixture):
     """It is named, exit status 2, and not a byte changes."""
     manifest = dataset / "train/000001/manifest.json"
