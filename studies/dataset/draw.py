@@ -9,11 +9,12 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform, Rotation
+from scipy.stats import qmc
 
 from franbv.frames import look_at
 from studies.config import Config
 from studies.dataset.choices import log_uniform, pick
-from studies.dataset.config import DatasetConfig, Views
+from studies.dataset.config import Camera, DatasetConfig, Views
 from studies.dataset.objects import PoolObject
 from studies.dataset.placement import Clutter, Placed, placed_clutter, placed_objects
 
@@ -24,6 +25,8 @@ CLEARANCE = 0.10
 some room)."""
 STEP_BACK = 0.01
 """A pose that is too near moves back by this until it is not [m] (choice)."""
+EXPOSURE_STREAM = 1
+"""Tells the seed of exposures from others of the dataset (choice)."""
 TRAJECTORY_SPAN_DEG = (30.0, 120.0)
 """Change of azimuth along a trajectory [deg] (choice: what an arm sweeps without changing its configuration)."""
 
@@ -83,6 +86,19 @@ class SceneDraw(Config):
     views: tuple[ViewDraw, ...]
 
 
+def drawn_exposure(camera: Camera, seed: int, scene: int) -> float | None:
+    """Fixed exposure of a scene [us], None = automatic; by a scrambled Sobol' sequence over the scenes' numbers.
+
+    Few scenes have a fixed one, and it may lie anywhere in a wide range: drawn one by one they would leave gaps.
+    """
+    sequence = qmc.Sobol(2, rng=np.random.default_rng([seed, EXPOSURE_STREAM]))
+    if scene > 0:  # by 0 it cannot be forwarded
+        sequence.fast_forward(scene)
+    automatic, place = sequence.random()[0]
+    low, high = camera.exposure_us
+    return None if automatic < camera.auto_exposure else float(round(low * (high / low) ** place))
+
+
 def draw_scene(config: DatasetConfig, pool: Sequence[PoolObject], scene: int) -> SceneDraw:
     """The choices for scene number `scene`."""
     choices, places, views, noise = (
@@ -95,7 +111,6 @@ def draw_scene(config: DatasetConfig, pool: Sequence[PoolObject], scene: int) ->
     objects = placed_objects(config, pool, n_objects, choices, places)
     n_clutter = int(choices.integers(s.clutter[0], s.clutter[1] + 1))
     clutter = placed_clutter(s, n_clutter, objects, choices, places)
-    exposure, automatic = round(log_uniform(choices, camera.exposure_us)), choices.random() < camera.auto_exposure
     motion = pick(choices, config.poses.motion)
     target = np.stack([thing.box for thing in objects])
     middle = (target[:, 0].min(axis=0) + target[:, 1].max(axis=0)) / 2
@@ -111,7 +126,7 @@ def draw_scene(config: DatasetConfig, pool: Sequence[PoolObject], scene: int) ->
         room=bool(choices.random() < s.room),
         profile=pick(choices, camera.profiles),
         laser_mw=round(log_uniform(choices, camera.laser_mw), 1),
-        exposure_us=None if automatic else float(exposure),
+        exposure_us=drawn_exposure(camera, config.seed, scene),
         motion=motion,
         views=draw_views(config, scene, motion, middle, [thing.box for thing in (*objects, *clutter)], views),
     )

@@ -10,8 +10,8 @@ from scipy.spatial.transform import RigidTransform
 from materials.material import Matte, RoughConductor
 from studies.dataset.built_scene import BUILT_IN_CLASSES, build_scene
 from studies.dataset.choices import drawn_material, log_uniform, pick
-from studies.dataset.config import DatasetConfig, load_dataset_config
-from studies.dataset.draw import CLEARANCE, draw_scene
+from studies.dataset.config import Camera, DatasetConfig, load_dataset_config
+from studies.dataset.draw import CLEARANCE, draw_scene, drawn_exposure
 from studies.dataset.head import head, measured_digests, recorded
 from studies.dataset.objects import object_pool
 
@@ -117,3 +117,17 @@ def test_a_cad_file_joins_the_pool(small_config: Path, tmp_path: Path):
     assert np.abs(block.mesh.vertices).max(axis=0) == pytest.approx([0.02, 0.015, 0.01], abs=1e-6)
     assert {body.material.name for body in block.bodies} == {"iron:milled"}
     assert len(block.digest) == 16
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_fixed_exposures_cover_their_range(seed: int):
+    """Of 100 scenes as many have one as are asked for, within the evenness of the sequence, and each of eight parts of
+    the range (in logarithms) has some; a scene's depends on its number alone."""
+    camera = Camera(auto_exposure=0.8, exposure_us=(2000.0, 33000.0))
+    drawn = [drawn_exposure(camera, seed, scene) for scene in range(100)]
+    fixed = [exposure for exposure in drawn if exposure is not None]
+    assert abs(len(fixed) - 20) <= 4
+    parts, _ = np.histogram(np.log(fixed), bins=8, range=(np.log(2000), np.log(33000)))
+    assert parts.sum() == len(fixed)
+    assert parts.min() >= 1
+    assert drawn[::7] == [drawn_exposure(camera, seed, scene) for scene in range(0, 100, 7)]
