@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Float32, UInt16
 
 from render.d435i import Measurement, SimulatedD435i
+from render.decimation import pixel_blocks
 from render.depth_image import metres_from_z16
 from render.truth import Truth
 
@@ -116,5 +117,4 @@ def blocks(image: np.ndarray, camera: SimulatedD435i) -> np.ndarray:
     left, top = (window.left, window.top) if window else (0, 0)
     if image.shape != (full.height, full.width):
         raise ValueError(f"image of shape {image.shape} is not of full resolution, {full.height} x {full.width}")
-    inner = image[top : top + reduced.height * f, left : left + reduced.width * f]
-    return inner.reshape(reduced.height, f, reduced.width, f).swapaxes(1, 2).reshape(reduced.height, reduced.width, -1)
+    return pixel_blocks(image[top : top + reduced.height * f, left : left + reduced.width * f], f)

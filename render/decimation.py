@@ -11,7 +11,7 @@ does it; `block_centre_intrinsics` is right.
 """
 
 import numpy as np
-from jaxtyping import UInt16
+from jaxtyping import Shaped, UInt16
 
 from franbv.frames import Intrinsics
 from materials.input_error import InputError
@@ -57,6 +57,13 @@ def _truncated_mean(z16: UInt16[np.ndarray, "n h w"], f: int) -> UInt16[np.ndarr
     valid = (z16 != 0).view(np.uint8).reshape(rows).sum(axis=2, dtype=np.uint8)
     counts = valid.reshape(n, h // f, w // f, f).sum(axis=3, dtype=np.uint32)
     return (sums // np.maximum(counts, 1)).astype(np.uint16)
+
+
+def pixel_blocks(image: Shaped[np.ndarray, "h w"], factor: int) -> Shaped[np.ndarray, "h_f w_f n"]:
+    """The n = factor^2 pixels behind each decimated one; a rest at the right and below is left out."""
+    h, w = (side // factor for side in image.shape)
+    whole = image[: h * factor, : w * factor].reshape(h, factor, w, factor)
+    return whole.swapaxes(1, 2).reshape(h, w, factor * factor)
 
 
 def padded(decimated: UInt16[np.ndarray, "n h w"]) -> UInt16[np.ndarray, "n h_4 w_4"]:

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float32, UInt16
 
 from render.burst_outcome import median_depth
-from render.decimation import decimate
+from render.decimation import decimate, pixel_blocks
 from render.depth_image import metres_from_z16, z16_from_disparity
 from render.labels import most_frequent_cause
 from render.matchers import matcher_by_name
@@ -49,7 +49,7 @@ def frame_faults(images: Images, frames: Frames) -> Iterator[Fault]:
 def decimation_faults(images: Images, frames: Frames | None, factor: int, rig: Rig) -> Iterator[Fault]:
     """Decimated depth and labels are what the full-size ones give. frames: [mm]; None where they are not kept."""
     depth, cause = images["depth_decimated"], images["cause_decimated"]
-    voted = most_frequent_cause(blocks(images["cause"], factor))
+    voted = most_frequent_cause(pixel_blocks(images["cause"], factor))
     if np.any((cause != voted) & (depth == 0)):
         yield "cause_decimated", "is not the most frequent cause of the blocks"
     if frames is None:
@@ -83,10 +83,3 @@ def _false_blocks(images: Images, frames: Frames, factor: int, rig: Rig) -> Iter
     error = np.where(expected > 0, np.abs(depth - expected), np.inf)
     if np.any((depth > 0) & np.where(called, error < limit - BLOCK_ROUNDING, error > limit + BLOCK_ROUNDING)):
         yield "false_depth_decimated", "does not agree with decimated true depth"
-
-
-def blocks(image: np.ndarray, factor: int) -> np.ndarray:
-    """The pixels behind each decimated one, (h, w) -> (h_d, w_d, factor^2)."""
-    h, w = (side // factor for side in image.shape)
-    whole = image[: h * factor, : w * factor].reshape(h, factor, w, factor)
-    return whole.swapaxes(1, 2).reshape(h, w, factor * factor)
