@@ -67,7 +67,7 @@ def depth_faults(images: Images, rig: Rig, n_frames: int) -> Iterator[Fault]:
         yield "false_depth", "calls depth false that is right"
     if np.any(measured & ~wrong & ((true == 0) | (error > limit + ROUNDING))):
         yield "false_depth", "calls depth right that is false"
-    right = measured & ~wrong & (true > 0)
+    right = measured & ~wrong & (limit < LEAST_AGREEMENT * true)  # farther away noise alone is more
     if right.any() and np.median(error[right] / true[right]) > LEAST_AGREEMENT:
         yield "depth", "is in another unit than the true depth, or of another view"
     if n_frames > 1:

@@ -8,9 +8,11 @@ import cv2
 import numpy as np
 import pytest
 
+from render.rig import d435i_rig
 from studies.cases import file_digest
 from studies.dataset.card import write_card
 from studies.dataset.check import dataset_problems
+from studies.dataset.check_images import depth_faults
 from studies.dataset.folders import compact_json, listed_files
 from studies.dataset.index import scene_folders, write_index
 
@@ -51,7 +53,7 @@ CONTENT = {
     "false depth called right": ("false_depth", lambda a: a.fill(0), "calls depth right that is false"),
     "right depth called false": ("false_depth", lambda a: np.copyto(a, 21, where=a == 0), "calls depth false"),
     "depth in another unit": ("depth", lambda a: np.copyto(a, a // 10), "is in another unit than the true depth"),
-    "truth in another unit": ("depth_true", lambda a: np.copyto(a, a // 10), "is in another unit than the true depth"),
+    "truth in another unit": ("depth_true", lambda a: np.copyto(a, a // 10), "calls depth right that is false"),
     "something where nothing is": ("body", lambda a: a.fill(0), "says that something is there"),
     "another material": ("material", lambda a: np.copyto(a, a + 1), "is not that of the body"),
     "a smoother surface": ("roughness_v", lambda a: np.copyto(a, a // 2), "is not that of the body"),
@@ -264,3 +266,16 @@ def test_without_cad_files_the_rest_is_checked(dataset: Path, monkeypatch: pytes
     assert _found(dataset, "px_count_valid is 1, not")
     _edit_json(dataset / "models/models_info.json", lambda c: c["1"].update(diameter=1.0))
     assert _found(dataset, "is not as large as models_info.json says")
+
+
+def test_far_depth_may_be_off_by_its_noise():
+    """At 3 m three standard deviations are 0.17 m, more than the 2 % within which depth near by must agree."""
+    rig = d435i_rig("640x360")
+    images = {
+        "depth": np.full((360, 640), 3150, np.uint16),
+        "depth_true": np.full((360, 640), 30000, np.uint16),
+        "false_depth": np.zeros((360, 640), np.uint8),
+    }
+    assert list(depth_faults(images, rig, 1)) == []
+    images["depth"] += np.uint16(50)
+    assert [what for _, what in depth_faults(images, rig, 1)] == ["calls depth right that is false"]
