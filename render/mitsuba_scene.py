@@ -28,7 +28,7 @@ FIRST_LAMP = 192
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """The shapes of a Mitsuba scene, whatever they are made of; lamps are rectangles in it."""
+    """The shapes of a Mitsuba scene, whatever they are made of; a lamp is two triangles in it."""
 
     scene: Any
     """`mitsuba.Scene`."""
