@@ -7,11 +7,11 @@ from franbv.evaluation import quality
 from franbv.parameters import Parameters
 from franbv.planners import fra
 from franbv.reconstruction import reconstruct
-from render.arm import SimulatedArm
+from render.arm.arm import SimulatedArm
 from render.d435i import SimulatedD435i
-from render.visibility import seen_from_above
+from render.world.visibility import seen_from_above
 from scenes.build import part_scene
-from studies.reference import reference_surface
+from studies.run.reference import reference_surface
 
 
 def tell(view: Acquisition) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import studies.dataset
-from studies.cli import main
+from studies.cli.main import main
 
 CONFIG = """
 title: Four small views of part C

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Bool, Float
 
-from franbv.planners import Model
+from franbv.model import Model
 from franbv.recovery import RecoveryPoses
 from franbv.reflective_regions import Detection
 from franbv.sensing import DepthBurst

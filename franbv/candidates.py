@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial.transform import RigidTransform, Rotation
 
-from franbv.oriented_box import OrientedBox, axis_aligned_box
+from franbv.geometry.oriented_box import OrientedBox, axis_aligned_box
 from franbv.parameters import Parameters
 
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from franbv.enclosing_ellipsoid import enclosing_ellipsoids
-from franbv.mixture import select_mixture
+from franbv.geometry.enclosing_ellipsoid import enclosing_ellipsoids
+from franbv.geometry.mixture import select_mixture
 from franbv.parameters import Parameters
 
 CUBE = np.stack(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5], indexing="ij"), axis=-1).reshape(8, 3)

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.ndimage import label
 
-from franbv.oriented_box import OrientedBox, axis_aligned_box, oriented_box
+from franbv.geometry.oriented_box import OrientedBox, axis_aligned_box, oriented_box
 from franbv.parameters import Parameters
 from franbv.voxel_map import VoxelMap, extent
 

@@ -13,8 +13,9 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.ellipsoids import Ellipsoids, fit_ellipsoids
 from franbv.frames import Intrinsics
+from franbv.geometry.oriented_box import OrientedBox
+from franbv.model import Approximate, Integrate, Model
 from franbv.object_model import ObjectModel
-from franbv.oriented_box import OrientedBox
 from franbv.parameters import Parameters
 from franbv.recovery import RecoveryPoses, diamond_poses, recovery_index
 from franbv.reflective_regions import (
@@ -28,21 +29,8 @@ from franbv.reflective_regions import (
 from franbv.sensing import DepthBurst
 from franbv.utility import recovery_utility, view_utilities
 from franbv.volumetric_information import Gain, compile_rays, view_information
-from franbv.voxel_map import VoxelMap, burst_depth
+from franbv.voxel_map import VoxelMap
 
-
-@dataclass(frozen=True, eq=False)
-class Model:
-    """All that is known after an acquisition."""
-
-    voxel_map: VoxelMap
-    object: ObjectModel
-    ellipsoids: Ellipsoids
-    """E_o and E_f; empty where the planner uses none."""
-
-
-Integrate = Callable[[VoxelMap, DepthBurst, Parameters], VoxelMap]
-Approximate = Callable[[ObjectModel, Parameters, np.random.SeedSequence], Ellipsoids]
 Score = Callable[[Model, Intrinsics, Sequence[RigidTransform], Parameters], Float[np.ndarray, "n"]]
 Detect = Callable[[DepthBurst, Model, Parameters], Detection]
 Poses = Callable[[OrientedBox, RigidTransform, Parameters, Callable[[RigidTransform], bool], float], RecoveryPoses]
@@ -130,7 +118,7 @@ PLANNERS: dict[str, Callable[[], Planner]] = {"pb": pb, "fra": fra, "re": re, "r
 
 def integrate_median(voxel_map: VoxelMap, burst: DepthBurst, parameters: Parameters) -> VoxelMap:
     """One insertion per pose: the burst's median depth."""
-    depth = burst_depth(burst, parameters.invalid_share)
+    depth = burst.median_depth(parameters.invalid_share)
     return voxel_map.updated(depth, burst.intrinsics, burst.T_world_cam, parameters)
 
 

@@ -10,10 +10,8 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.ellipsoids import Ellipsoids
 from franbv.frames import Intrinsics
+from franbv.geometry.polygons import NEAR, cross, image_corners
 from franbv.ray_hits import ray_hits
-
-NEAR = 1e-3
-"""What is closer to the camera's plane than this is cut off [m]. Choice: the lens is thicker."""
 
 
 def in_camera_frame(
@@ -98,12 +96,6 @@ def silhouette(ellipsoids: Ellipsoids, intrinsics: Intrinsics, T_world_cam: Rigi
     return hits.any(axis=0).reshape(intrinsics.height, intrinsics.width)
 
 
-def image_corners(intrinsics: Intrinsics) -> Float[np.ndarray, "4 2"]:
-    """Corners of the image [px], in the sense that turns x towards y; pixel centres are at integers."""
-    right, bottom = intrinsics.width - 0.5, intrinsics.height - 0.5
-    return np.array([[-0.5, -0.5], [right, -0.5], [right, bottom], [-0.5, bottom]])
-
-
 def _sub_pixel_directions(intrinsics, supersampling):
     """(n, 3) viewing directions of a finer grid of pixels that covers the image."""
     s = supersampling
@@ -116,11 +108,6 @@ def _sub_pixel_directions(intrinsics, supersampling):
         (intrinsics.cy + 0.5) * s - 0.5,
     )
     return fine.pixel_directions().reshape(-1, 3)
-
-
-def cross(a: Float[np.ndarray, "*#n 2"], b: Float[np.ndarray, "*#n 2"]) -> Float[np.ndarray, "*#n"]:
-    """Cross product of plane vectors, positive where b lies on the side of a towards which x turns to y."""
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
 def _angle(a, b):

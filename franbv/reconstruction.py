@@ -14,16 +14,17 @@ from scipy.spatial.transform import RigidTransform
 from franbv.acquisition import Acquisition, Kind, Reconstruction
 from franbv.candidates import candidate_poses, first_view
 from franbv.frames import back_project
-from franbv.object_model import object_model, object_points
-from franbv.oriented_box import OrientedBox
+from franbv.geometry.oriented_box import OrientedBox
+from franbv.model import Model, Timed, model_of, model_with
+from franbv.object_model import object_points
 from franbv.parameters import Parameters
-from franbv.planners import Model, Planner
+from franbv.planners import Planner
 from franbv.recovery import RecoveryPoses
 from franbv.reflective_regions import Detection
 from franbv.sensing import Arm, DepthBurst, DepthCamera
 from franbv.stage_clock import StageClock
 from franbv.stopping import StopReason, stop_reason
-from franbv.voxel_map import VoxelMap, burst_depth, empty_map
+from franbv.voxel_map import empty_map
 
 
 def reconstruct(
@@ -42,7 +43,7 @@ def reconstruct(
     """
     cell = _Cell(camera, arm, planner, parameters, seed, observe)
     view = cell.first_view(first_azimuth_deg)
-    model = cell.model_of(empty_map(parameters))
+    model = cell.first_model()
     best_utilities: list[float] = []
     while True:
         iteration = len(best_utilities)  # 0 is the first view
@@ -103,18 +104,16 @@ class _Cell:
         with self.clock.timing("sensing"):
             return self.camera.capture(pose, self.parameters.n_frames)
 
+    def first_model(self) -> Model:
+        """The model of an empty map."""
+        return model_of(empty_map(self.parameters), *self._modelling())
+
     def updated(self, model: Model, burst: DepthBurst) -> Model:
         """The model with the burst in it."""
-        with self.clock.planning("map"):
-            voxel_map = self.planner.integrate(model.voxel_map, burst, self.parameters)
-        return self.model_of(voxel_map)
+        return model_with(model.voxel_map, burst, *self._modelling())
 
-    def model_of(self, voxel_map: VoxelMap) -> Model:
-        with self.clock.planning("object"):
-            estimate = object_model(voxel_map, self.parameters)
-        with self.clock.planning("ellipsoids"):
-            ellipsoids = self.planner.approximate(estimate, self.parameters, self.cluster_seeds.spawn(1)[0])
-        return Model(voxel_map, estimate, ellipsoids)
+    def _modelling(self) -> tuple[Planner, Parameters, np.random.SeedSequence, Timed]:
+        return self.planner, self.parameters, self.cluster_seeds.spawn(1)[0], self.clock.planning
 
     def detect(self, burst: DepthBurst, model: Model) -> Detection | None:
         if self.planner.recovery is None:
@@ -176,7 +175,7 @@ class _Cell:
         gamma_attainable: float | None = None,
     ) -> None:
         """Keep the acquisition and show it to the observer."""
-        depth = burst_depth(burst, self.parameters.invalid_share)
+        depth = burst.median_depth(self.parameters.invalid_share)
         points = burst.T_world_cam.apply(back_project(depth, burst.intrinsics))
         seconds = self.clock.read()
         sensing_s = seconds.pop("sensing")

@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import look_at
-from franbv.oriented_box import OrientedBox
+from franbv.geometry.oriented_box import OrientedBox
 from franbv.parameters import Parameters
 from franbv.voxel_map import VoxelMap
 

@@ -14,7 +14,7 @@ from scipy.ndimage import binary_erosion
 from sklearn.cluster import DBSCAN
 
 from franbv.ellipsoids import Ellipsoids
-from franbv.oriented_box import OrientedBox, oriented_box
+from franbv.geometry.oriented_box import OrientedBox, oriented_box
 from franbv.parameters import Parameters
 from franbv.projection import in_camera_frame, silhouette
 from franbv.ray_hits import first_hit_depths

@@ -21,6 +21,22 @@ class DepthBurst:
     T_world_cam: RigidTransform
     """Pose of the left infrared imager, the depth frame's origin."""
 
+    def median_depth(self, invalid_share: float = 0.5) -> Float[np.ndarray, "h w"]:
+        """One depth image of the burst [m]; see `median_depth`."""
+        return median_depth(self.depths, invalid_share)
+
+
+def median_depth(depths: Float[np.ndarray, "n h w"], invalid_share: float = 0.5) -> Float[np.ndarray, "h w"]:
+    """Median of each pixel's valid frames [m] where fewer than `invalid_share` of them are invalid, else 0."""
+    n = len(depths)
+    if n == 1:
+        return depths[0]
+    ordered = np.sort(np.moveaxis(depths, 0, -1), axis=-1)  # (h, w, n), invalid ones first
+    n_valid = np.count_nonzero(ordered, axis=-1)
+    ranks = np.minimum(n - n_valid + np.stack([np.maximum(n_valid - 1, 0) // 2, n_valid // 2]), n - 1)
+    low, high = (np.take_along_axis(ordered, rank[..., None], axis=-1)[..., 0] for rank in ranks)
+    return np.where((n - n_valid) / n < invalid_share, (low + high) / 2, depths.dtype.type(0))
+
 
 @runtime_checkable
 class DepthCamera(Protocol):

@@ -8,9 +8,9 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.ellipsoids import Ellipsoids
 from franbv.frames import Intrinsics
-from franbv.oriented_box import OrientedBox
+from franbv.geometry.oriented_box import OrientedBox
+from franbv.geometry.projected_box import projected_box_area
 from franbv.parameters import Parameters
-from franbv.projected_box import projected_box_area
 from franbv.projection import in_camera_frame, projected_areas
 
 

@@ -15,8 +15,8 @@ from numba import njit
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
-from franbv.oriented_box import OrientedBox
-from franbv.ray_packets import ray_sum
+from franbv.geometry.oriented_box import OrientedBox
+from franbv.geometry.ray_packets import ray_sum
 from franbv.voxel_map import VoxelMap
 
 Gain = Literal["occlusion_aware", "unobserved", "entropy", "rear_side"]

@@ -15,7 +15,6 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
 from franbv.parameters import Parameters
-from franbv.sensing import DepthBurst
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,16 +93,6 @@ def empty_map(parameters: Parameters) -> VoxelMap:
     first = np.round(np.array(parameters.workspace_min) / parameters.voxel_size).astype(np.int64)
     last = np.round(np.array(parameters.workspace_max) / parameters.voxel_size).astype(np.int64)
     return VoxelMap(first, parameters.voxel_size, np.zeros(last - first + 1, np.float32))
-
-
-def burst_depth(burst: DepthBurst, invalid_share: float = 0.5) -> Float[np.ndarray, "h w"]:
-    """One depth image of a burst: the median of a pixel's valid frames where fewer than `invalid_share` are invalid."""
-    n = len(burst.depths)
-    n_valid = np.count_nonzero(burst.depths > 0, axis=0)
-    ordered = np.sort(np.where(burst.depths > 0, burst.depths, np.inf), axis=0)  # valid ones first
-    ranks = np.stack([np.maximum(n_valid - 1, 0) // 2, np.minimum(n_valid // 2, n - 1)])
-    median = np.take_along_axis(ordered, ranks, axis=0).mean(axis=0)
-    return np.where((n - n_valid) / n < invalid_share, median, 0.0)
 
 
 def extent(mask: Bool[np.ndarray, "x y z"], margin: int = 0) -> tuple[slice, slice, slice]:

@@ -1,4 +1,4 @@
-"""Materials as plain data at 850 nm; `render.bsdf` turns them into Mitsuba BSDFs.
+"""Materials as plain data at 850 nm; `render.world.bsdf` turns them into Mitsuba BSDFs.
 
 Every one checks its own numbers when it is made, so that no invalid material exists anywhere.
 """

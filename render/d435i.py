@@ -12,21 +12,21 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
 from franbv.sensing import DepthBurst
-from render.decimation import block_centre_intrinsics, crop_centre, decimate
-from render.depth_image import DepthFormat, metres_from_z16, z16_from_disparity
-from render.dot_pattern import HALF_FIELD, d435_pattern
-from render.exposure import auto_exposure
-from render.first_surface import StereoView
-from render.imager import expose_burst
-from render.imager_settings import REFERENCE_LASER_POWER_MW, ImagerSettings
-from render.matcher import StereoMatcher, Window
-from render.matchers import matcher_by_name
-from render.mitsuba_scene import load_scene
-from render.projector_light import ProjectorLight
-from render.radiance import RadianceLayers, render_stereo, stop_at_first_surface
-from render.rig import Rig, d435i_rig
-from render.sampling import Sampling
-from render.truth import Truth, measure_truth
+from render.depth.coding import DepthFormat, metres_from_z16, z16_from_disparity
+from render.depth.decimation import block_centre_intrinsics, crop_centre, decimate
+from render.imager.expose import expose_burst
+from render.imager.exposure import auto_exposure
+from render.imager.settings import REFERENCE_LASER_POWER_MW, ImagerSettings
+from render.light.first_surface import StereoView
+from render.light.pattern import HALF_FIELD, d435_pattern
+from render.light.projector import ProjectorLight
+from render.light.radiance import RadianceLayers, render_stereo, stop_at_first_surface
+from render.light.sampling import Sampling
+from render.matcher.by_name import matcher_by_name
+from render.matcher.interface import StereoMatcher, Window
+from render.world.mitsuba_scene import load_scene
+from render.world.rig import Rig, d435i_rig
+from render.world.truth import Truth, measure_truth
 from scenes.scene import Scene
 
 FIELD_AREA = 4 * HALF_FIELD[0] * HALF_FIELD[1]

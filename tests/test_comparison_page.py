@@ -4,11 +4,11 @@ import re
 
 import pytest
 
-from studies.ablation import ABLATIONS
-from studies.command_line import parse
-from studies.comparison import ComparisonCommand
-from studies.comparison_preset import PRESETS
-from studies.link_change import LINKS
+from studies.base.flags import parse
+from studies.comparison.command import ComparisonCommand
+from studies.comparison.links import LINKS
+from studies.comparison.preset import PRESETS
+from studies.run.ablation import ABLATIONS
 from tests.conftest import ROOT
 
 TEXT = (ROOT / "docs" / "comparison.md").read_text()

@@ -32,7 +32,7 @@ def test_the_wheel_holds_the_packages_and_their_data(tmp_path: Path):
     with zipfile.ZipFile(next(tmp_path.glob("*.whl"))) as wheel:
         held = {name for name in wheel.namelist() if ".dist-info/" not in name}
         entry_points = next(name for name in wheel.namelist() if name.endswith("entry_points.txt"))
-        assert "franbv = studies.cli:main" in wheel.read(entry_points).decode()
+        assert "franbv = studies.cli.main:main" in wheel.read(entry_points).decode()
     assert held == {path.as_posix() for path in shipped_files()}
 
 

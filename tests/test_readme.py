@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from studies.cli import COMMANDS
+from studies.cli.main import COMMANDS
 from tests.conftest import ROOT
 
 TEXT = (ROOT / "README.md").read_text()

@@ -3,11 +3,11 @@
 import numpy as np
 
 from docs.figures.drawing import panels, write
-from render.exposure import electrons_per_radiance
-from render.imager import expose_burst
-from render.imager_settings import ImagerSettings, pixel_pitch
-from render.rig import FOCAL_LENGTHS_PX
-from render.speckle import aperture_degrees, bandwidth_degrees, degrees_of_freedom, speckle_contrast
+from render.imager.expose import expose_burst
+from render.imager.exposure import electrons_per_radiance
+from render.imager.settings import ImagerSettings, pixel_pitch
+from render.imager.speckle import aperture_degrees, bandwidth_degrees, degrees_of_freedom, speckle_contrast
+from render.world.rig import FOCAL_LENGTHS_PX
 
 ROWS, FRAMES = 120, 24
 FLAT = ImagerSettings(vignetting_exponent=0.0)

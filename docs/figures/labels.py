@@ -6,9 +6,9 @@ from matplotlib.patches import Patch
 from docs.figures.drawing import panels, show_grey, write
 from franbv.candidates import first_view
 from franbv.parameters import Parameters
-from render.causes import LEGEND
 from render.d435i import SensorSettings, SimulatedD435i
-from render.labels import label_frame
+from render.labels.causes import LEGEND
+from render.labels.labels import label_frame
 from scenes.build import part_scene
 
 FRAMES = 5

@@ -7,8 +7,8 @@ from franbv.candidates import first_view
 from franbv.parameters import Parameters
 from materials.material import Matte
 from render.d435i import SensorSettings, SimulatedD435i
-from render.radiance import Sampling
-from render.rig import PROJECTOR_OFFSET
+from render.light.radiance import Sampling
+from render.world.rig import PROJECTOR_OFFSET
 from scenes.build import part_scene
 from scenes.scene import Body, Scene
 from tests.physics.simple_scenes import facing_x, rectangle, wall

@@ -5,10 +5,10 @@ import numpy as np
 from docs.figures.drawing import panels, show_error, show_grey, write
 from franbv.candidates import first_view
 from franbv.parameters import Parameters
-from render.d4_matcher import D4Matcher
 from render.d435i import SensorSettings, SimulatedD435i
-from render.depth_image import metres_from_z16, z16_from_disparity
-from render.sgbm_matcher import SgbmMatcher
+from render.depth.coding import metres_from_z16, z16_from_disparity
+from render.matcher.d4.matcher import D4Matcher
+from render.matcher.sgbm import SgbmMatcher
 from scenes.build import part_scene
 
 AROUND = np.s_[90:290, 220:420]

@@ -7,8 +7,8 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from docs.figures.drawing import panels, write
 from render.d435i import SensorSettings, SimulatedD435i
-from render.depth_image import DepthFormat
-from render.rig import d435i_rig, left_band
+from render.depth.coding import DepthFormat
+from render.world.rig import d435i_rig, left_band
 from tests.physics.simple_scenes import facing_x
 from tests.physics.test_depth_laws import lit_wall, middle
 

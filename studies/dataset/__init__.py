@@ -1,6 +1,6 @@
 """Datasets of labelled depth with reflective holes: `open(DIR)` reads one as numpy arrays, view by view."""
 
-from studies.dataset.reader import Dataset
+from studies.dataset.format.reader import Dataset
 
 open = Dataset
 

@@ -10,14 +10,14 @@ from pydantic import AfterValidator, Field, model_validator
 from materials.catalog import finish_names, material_names, metal_names
 from materials.suggestion import suggest
 from materials.user_materials import UserEntry, UserMaterials, checked_entry
-from render.imager_settings import LONGEST_EXPOSURE_US, MOST_LASER_POWER_MW
-from render.rig import FOCAL_LENGTHS_PX
+from render.imager.settings import LONGEST_EXPOSURE_US, MOST_LASER_POWER_MW
+from render.world.rig import FOCAL_LENGTHS_PX
 from scenes.lamps import LIGHTING_NAMES
 from scenes.part_materials import part_materials
 from scenes.parts import PART_NAMES
-from studies.config import Config, load_config
+from studies.base.config import Config, load_config
 
-DEFAULT = Path(__file__).parents[1] / "dataset_default.yaml"
+DEFAULT = Path(__file__).parent / "default.yaml"
 """The configuration that is named `default` on the command line."""
 
 Arrangement = Literal["single", "pile"]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from studies.machine import machine
+from studies.work.machine import machine
 from tests.benchmarks.stopwatch import Stopwatch
 
 _stopwatch = Stopwatch()

@@ -1,10 +1,10 @@
-"""The rays of `franbv.ray_packets` followed by Dr.Jit, the fastest alternative at hand: the same steps for every ray at
-once, compiled for the vector unit by the LLVM of the renderer."""
+"""The rays of `franbv.geometry.ray_packets` followed by Dr.Jit, the fastest alternative at hand: the same steps for
+every ray at once, compiled for the vector unit by the LLVM of the renderer."""
 
 import numpy as np
 from jaxtyping import Float
 
-from render import backend
+from render.world import backend
 
 
 class DrJitRays:

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from render.ray_rate import camera_rays_per_second
+from render.world.ray_rate import camera_rays_per_second
 from tests.benchmarks.stopwatch import Stopwatch
 
 pytestmark = pytest.mark.benchmark
@@ -13,7 +13,7 @@ pytestmark = pytest.mark.benchmark
 
 def test_start_of_the_command(stopwatch: Stopwatch):
     """`franbv --help` in a fresh process: it must not load the renderer."""
-    command = [sys.executable, "-c", "from studies.cli import main; main(['--help'])"]
+    command = [sys.executable, "-c", "from studies.cli.main import main; main(['--help'])"]
     stopwatch.time("franbv --help", lambda: subprocess.run(command, check=True, capture_output=True))
 
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from franbv.candidates import candidate_poses, first_view
+from franbv.model import Model
 from franbv.object_model import object_model
 from franbv.parameters import Parameters
-from franbv.planners import Model, fra
+from franbv.planners import fra
 from franbv.stage_clock import StageClock
 from franbv.voxel_map import empty_map
 from tests.franbv.analytic_camera import AnalyticCamera

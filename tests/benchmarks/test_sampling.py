@@ -10,11 +10,11 @@ import pytest
 from franbv.candidates import first_view
 from franbv.parameters import Parameters
 from render.d435i import SimulatedD435i
-from render.exposure import mean_electrons, mean_grey
-from render.imager_settings import WHITE_LEVEL
-from render.matcher import Window
-from render.radiance import RadianceLayers, render_layers
-from render.sampling import Sampling
+from render.imager.exposure import mean_electrons, mean_grey
+from render.imager.settings import WHITE_LEVEL
+from render.light.radiance import RadianceLayers, render_layers
+from render.light.sampling import Sampling
+from render.matcher.interface import Window
 from scenes.build import part_scene
 from tests.benchmarks.stopwatch import Stopwatch
 

@@ -11,8 +11,8 @@ import pytest
 
 from franbv.candidates import first_view
 from franbv.parameters import Parameters
-from render.d4_matcher import D4Matcher
 from render.d435i import SimulatedD435i
+from render.matcher.d4.matcher import D4Matcher
 from scenes.build import part_scene
 from tests.benchmarks.stopwatch import Stopwatch
 

@@ -7,16 +7,17 @@ import numpy as np
 import pytest
 
 from franbv.candidates import candidate_poses, first_view
+from franbv.geometry.ray_packets import ray_sum
+from franbv.model import Model
 from franbv.object_model import object_model
 from franbv.parameters import Parameters
-from franbv.planners import Model, pb, re
-from franbv.ray_packets import ray_sum
+from franbv.planners import pb, re
 from franbv.stage_clock import StageClock
 from franbv.volumetric_information import view_information, view_rays, voxel_cells
 from franbv.voxel_map import empty_map
-from render import backend
-from studies.plain_information import plain_information
-from studies.planning_speed import PB_GOAL_S, PLAIN_GOAL
+from render.world import backend
+from studies.comparison.plain_information import plain_information
+from studies.comparison.planning_speed import PB_GOAL_S, PLAIN_GOAL
 from tests.benchmarks.drjit_rays import DrJitRays
 from tests.franbv.analytic_camera import SENSOR, AnalyticCamera
 

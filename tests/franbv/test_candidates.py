@@ -5,7 +5,7 @@ import pytest
 
 from franbv.candidates import candidate_poses, first_view, ring_counts
 from franbv.frames import look_at
-from franbv.oriented_box import axis_aligned_box
+from franbv.geometry.oriented_box import axis_aligned_box
 from franbv.parameters import Parameters
 
 PARAMETERS = Parameters()

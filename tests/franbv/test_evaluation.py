@@ -15,9 +15,9 @@ from franbv.evaluation import (
     wrongly_occupied_share,
 )
 from franbv.frames import Intrinsics
+from franbv.model import Model
 from franbv.object_model import object_model
 from franbv.parameters import Parameters
-from franbv.planners import Model
 from franbv.recovery import RecoveryPoses
 from franbv.sensing import DepthBurst
 from franbv.voxel_map import VoxelMap, empty_map

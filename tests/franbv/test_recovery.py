@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from franbv.frames import look_at
-from franbv.oriented_box import OrientedBox
+from franbv.geometry.oriented_box import OrientedBox
 from franbv.parameters import Parameters
 from franbv.recovery import (
     diamond_poses,

@@ -8,7 +8,7 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.ellipsoids import Ellipsoids
 from franbv.frames import Intrinsics, look_at
-from franbv.oriented_box import OrientedBox
+from franbv.geometry.oriented_box import OrientedBox
 from franbv.parameters import Parameters
 from franbv.utility import depth_ranks, recovery_utility, view_utilities, view_utility, visible_depths
 

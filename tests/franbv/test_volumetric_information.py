@@ -5,13 +5,13 @@ import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from franbv.frames import Intrinsics, look_at
-from franbv.oriented_box import axis_aligned_box
+from franbv.geometry.oriented_box import axis_aligned_box
 from franbv.parameters import Parameters
 from franbv.planners import random_views, re
 from franbv.reconstruction import reconstruct
 from franbv.volumetric_information import GAINS, view_information
 from franbv.voxel_map import VoxelMap
-from studies.plain_information import plain_information
+from studies.comparison.plain_information import plain_information
 
 SENSOR = Intrinsics(9, 7, 8.0, 8.0, 3.9, 3.2)
 ONE_RAY = Intrinsics(1, 1, 1.0, 1.0, 0.0, 0.0)

@@ -7,7 +7,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from franbv.frames import Intrinsics, look_at
 from franbv.parameters import Parameters
 from franbv.sensing import DepthBurst
-from franbv.voxel_map import VoxelMap, burst_depth, empty_map, scan_voxels
+from franbv.voxel_map import VoxelMap, empty_map, scan_voxels
 
 TINY = Parameters(voxel_size=0.1, workspace_min=(-0.5, -0.4, -0.3), workspace_max=(0.5, 0.4, 0.3))
 GRAZE = 1e-9
@@ -153,5 +153,5 @@ def test_burst_depth_is_the_median_of_valid_frames():
     )
     T = RigidTransform.identity()
     np.testing.assert_allclose(
-        burst_depth(DepthBurst(depths, Intrinsics(5, 1, 1.0, 1.0, 0.0, 0.0), T)), [[2.5, 0, 3, 0, 4]]
+        DepthBurst(depths, Intrinsics(5, 1, 1.0, 1.0, 0.0, 0.0), T).median_depth(), [[2.5, 0, 3, 0, 4]]
     )

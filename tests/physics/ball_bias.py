@@ -7,8 +7,8 @@ from jaxtyping import Bool, Float
 
 from franbv.frames import Intrinsics
 from render.d435i import SensorSettings, SimulatedD435i
-from render.depth_image import DepthFormat
-from render.rig import Rig
+from render.depth.coding import DepthFormat
+from render.world.rig import Rig
 from tests.physics.mirror_scenes import MirrorView, pixel_rays
 
 RINGS = 5

@@ -15,8 +15,8 @@ from franbv.frames import look_at
 from materials.catalog import material
 from materials.material import Material, Matte
 from render.d435i import Measurement, SensorSettings, SimulatedD435i
-from render.imager_settings import ImagerSettings
-from render.labels import Labels, label_frame
+from render.imager.settings import ImagerSettings
+from render.labels.labels import Labels, label_frame
 from scenes.scene import Body, Lamp, Mesh, Scene
 from tests.physics.simple_scenes import facing_x, lamp_at, rectangle
 

@@ -6,10 +6,10 @@ import numpy as np
 
 from materials.material import Matte
 from render.d435i import SensorSettings, SimulatedD435i
-from render.exposure import auto_exposure
-from render.imager import expose_burst
-from render.imager_settings import ImagerSettings
-from render.radiance import RadianceLayers
+from render.imager.expose import expose_burst
+from render.imager.exposure import auto_exposure
+from render.imager.settings import ImagerSettings
+from render.light.radiance import RadianceLayers
 from scenes.lamps import form_integral, lighting
 from tests.physics.simple_scenes import facing_x, lamp_at, wall
 

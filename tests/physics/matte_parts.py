@@ -8,11 +8,11 @@ from jaxtyping import Bool
 
 from franbv.frames import look_at
 from materials.material import Matte
-from render.burst_outcome import is_false_depth
-from render.causes import Cause
 from render.d435i import SensorSettings, SimulatedD435i
-from render.geometric_causes import geometry, in_projector_field
-from render.matte_twin import twin_scene
+from render.labels.causes import Cause
+from render.labels.geometric import geometry, in_projector_field
+from render.labels.outcome import is_false_depth
+from render.labels.twin import twin_scene
 from scenes.build import part_scene
 
 HALO_PX = 4

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from materials.material import Matte, RoughConductor
-from render import backend
-from render.bsdf import bsdf_description
-from render.sampling import Sampling
+from render.light.sampling import Sampling
+from render.world import backend
+from render.world.bsdf import bsdf_description
 from scenes.scene import Scene
 from tests.physics.simple_scenes import wall
 from tests.physics.test_radiance_laws import layers_of

@@ -5,9 +5,9 @@ import pytest
 
 from franbv.frames import look_at
 from materials.material import RoughConductor
-from render.burst_outcome import burst_outcome
 from render.d435i import SensorSettings, SimulatedD435i
-from render.sampling import Sampling
+from render.labels.outcome import burst_outcome
+from render.light.sampling import Sampling
 from scenes.build import coupon_scene
 from scenes.coupons import plate_centre_height
 from tests.physics.test_holes_on_steel import STEEL

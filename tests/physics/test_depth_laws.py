@@ -6,8 +6,8 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from materials.material import Matte
 from render.d435i import SensorSettings, SimulatedD435i
-from render.depth_image import DepthFormat, z_range
-from render.rig import d435i_rig, left_band
+from render.depth.coding import DepthFormat, z_range
+from render.world.rig import d435i_rig, left_band
 from tests.physics.simple_scenes import facing_x, lamp_at, wall
 
 WHOLE = SensorSettings(crop=None, depth=DepthFormat(unit=1e-4))

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from render.dot_pattern import BACKGROUND_SHARE, DOT_DENSITY, HALF_FIELD
-from render.imager_settings import REFERENCE_LASER_POWER_MW, ImagerSettings
+from render.imager.settings import REFERENCE_LASER_POWER_MW, ImagerSettings
+from render.light.pattern import BACKGROUND_SHARE, DOT_DENSITY, HALF_FIELD
 from tests.physics.dot_statistics import REFERENCE_FOCAL_PX, dot_statistics
 from tests.physics.lit_wall import DISTANCE, ROOM_LIGHT, lamp_irradiance, lit_wall, middle_of_field
 from tests.physics.real_dots_on_box import FOCAL_PX, SIDES, real_dots

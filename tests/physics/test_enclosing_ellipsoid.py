@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from franbv.enclosing_ellipsoid import enclosing_ellipsoids
+from franbv.geometry.enclosing_ellipsoid import enclosing_ellipsoids
 
 TOLERANCE = 0.01
 CUBE = np.array(list(product([-0.5, 0.5], repeat=3)))

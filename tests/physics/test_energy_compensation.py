@@ -13,7 +13,7 @@ from materials.energy_compensation import (
 )
 from materials.fresnel import conductor_reflectance, normal_reflectance
 from materials.optical_constants import METALS
-from render import backend
+from render.world import backend
 from tests.physics.microsurface_walk import distribution, lambda_ggx, walk
 
 QUADRATURE = 0.002

@@ -9,9 +9,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from render.exposure import auto_exposure, electrons_per_radiance, mean_electrons
-from render.imager import expose, expose_burst
-from render.imager_settings import ImagerSettings
+from render.imager.expose import expose, expose_burst
+from render.imager.exposure import auto_exposure, electrons_per_radiance, mean_electrons
+from render.imager.settings import ImagerSettings
 
 SHAPE = (120, 640)
 """Rows of a 640-column stream: 2 x 2 native pixels are averaged."""

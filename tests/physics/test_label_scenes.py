@@ -5,10 +5,10 @@ import pytest
 
 from materials.catalog import material, matte_twin
 from materials.material import Matte
-from render.causes import Cause, is_of
 from render.d435i import SensorSettings, SimulatedD435i
-from render.labels import label_frame
-from render.matte_twin import measure_twin, twin_scene
+from render.labels.causes import Cause, is_of
+from render.labels.labels import label_frame
+from render.labels.twin import measure_twin, twin_scene
 from scenes.build import part_scene
 from tests.physics import label_scenes as scenes
 from tests.physics.simple_scenes import facing_x

@@ -5,12 +5,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from materials.catalog import material
-from render.causes import HOLES, Cause, is_hole, is_of
 from render.d435i import SensorSettings, SimulatedD435i
-from render.infrared_evidence import contrast
-from render.interventions import matched_at_first_surface
-from render.labels import label_frame
-from render.sampling import Sampling
+from render.labels.causes import HOLES, Cause, is_hole, is_of
+from render.labels.infrared import contrast
+from render.labels.interventions import matched_at_first_surface
+from render.labels.labels import label_frame
+from render.light.sampling import Sampling
 from scenes.scene import Body, Scene
 from tests.physics.label_scenes import behind_camera, tilted_plate, wall_at
 from tests.physics.simple_scenes import facing_x, rectangle

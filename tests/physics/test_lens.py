@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from render.imager_settings import ImagerSettings
-from render.lens import blur_sigma_px, mix_neighbours, through_lens, vignetting
+from render.imager.lens import blur_sigma_px, mix_neighbours, through_lens, vignetting
+from render.imager.settings import ImagerSettings
 
 
 @pytest.mark.parametrize("width", [640, 1280])

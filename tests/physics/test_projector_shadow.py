@@ -5,9 +5,9 @@ import pytest
 
 from materials.material import Matte
 from render.d435i import SensorSettings, SimulatedD435i
-from render.dot_pattern import HALF_FIELD
-from render.rig import BASELINE, PROJECTOR_OFFSET
-from render.sampling import Sampling
+from render.light.pattern import HALF_FIELD
+from render.light.sampling import Sampling
+from render.world.rig import BASELINE, PROJECTOR_OFFSET
 from scenes.scene import Body, Scene
 from tests.physics.simple_scenes import facing_x, rectangle, wall
 

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from materials.material import Matte, RoughConductor
-from render.dot_pattern import d435_pattern
-from render.mitsuba_scene import load_scene
-from render.projector_light import ProjectorLight
-from render.radiance import render_layers
-from render.rig import d435i_rig
-from render.sampling import Sampling
+from render.light.pattern import d435_pattern
+from render.light.projector import ProjectorLight
+from render.light.radiance import render_layers
+from render.light.sampling import Sampling
+from render.world.mitsuba_scene import load_scene
+from render.world.rig import d435i_rig
 from scenes.scene import Body, Scene
 from tests.physics.simple_scenes import facing_x, lamp_at, rectangle, wall
 

@@ -6,15 +6,15 @@ import pytest
 from franbv.frames import look_at
 from materials.fresnel import conductor_reflectance
 from materials.material import Matte, RoughConductor
-from render.dot_pattern import d435_pattern
-from render.first_surface import FirstSurface, StereoView
-from render.mitsuba_scene import NO_BODY, load_scene
-from render.projector_light import ProjectorLight
-from render.radiance import render_layers, render_stereo
-from render.rig import d435i_rig
-from render.sampling import Sampling
-from render.smooth_light import smooth_light
-from render.surface import surface_map
+from render.light.first_surface import FirstSurface, StereoView
+from render.light.pattern import d435_pattern
+from render.light.projector import ProjectorLight
+from render.light.radiance import render_layers, render_stereo
+from render.light.sampling import Sampling
+from render.light.smooth import smooth_light
+from render.world.mitsuba_scene import NO_BODY, load_scene
+from render.world.rig import d435i_rig
+from render.world.surface import surface_map
 from scenes.build import coupon_scene
 from scenes.scene import Body, Scene
 from tests.physics.simple_scenes import lamp_at, rectangle

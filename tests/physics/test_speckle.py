@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from render.imager import expose_burst
-from render.imager_settings import WAVELENGTH, ImagerSettings
-from render.speckle import aperture_degrees, bandwidth_degrees, degrees_of_freedom, speckle, speckle_contrast
+from render.imager.expose import expose_burst
+from render.imager.settings import WAVELENGTH, ImagerSettings
+from render.imager.speckle import aperture_degrees, bandwidth_degrees, degrees_of_freedom, speckle, speckle_contrast
 
 
 @pytest.mark.parametrize("pitch_um", [3.0, 6.0])

@@ -9,11 +9,11 @@ import pytest
 import trimesh
 
 from scenes.parts import part_bodies
-from studies.dataset import bop
 from studies.dataset.config import load_dataset_config
-from studies.dataset.draw import draw_scene
-from studies.dataset.objects import object_pool
-from studies.dataset.view import LabelledView, Silhouette
+from studies.dataset.draw.draw import draw_scene
+from studies.dataset.draw.objects import object_pool
+from studies.dataset.make import bop
+from studies.dataset.make.view import LabelledView, Silhouette
 
 PROJECTION_PX = 1.5
 """A silhouette's box ends at pixel centres that are hit, the projected corners between them."""

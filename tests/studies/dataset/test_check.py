@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 import pytest
 
-from studies.cli import main
-from studies.dataset.check import dataset_problems, missing_scenes
-from studies.dataset.check_head import ply_points
-from studies.dataset.folders import compact_json, listed_files
+from studies.cli.main import main
+from studies.dataset.check.command import dataset_problems, missing_scenes
+from studies.dataset.check.head import ply_points
+from studies.dataset.format.folders import compact_json, listed_files
 
 
 def _files(root: Path) -> list[Path]:

@@ -8,13 +8,13 @@ import cv2
 import numpy as np
 import pytest
 
-from render.rig import d435i_rig
-from studies.cases import file_digest
-from studies.dataset.card import write_card
-from studies.dataset.check import dataset_problems
-from studies.dataset.check_images import depth_faults
-from studies.dataset.folders import compact_json, listed_files
-from studies.dataset.index import scene_folders, write_index
+from render.world.rig import d435i_rig
+from studies.base.atomic_file import file_digest
+from studies.dataset.card.card import write_card
+from studies.dataset.check.command import dataset_problems
+from studies.dataset.check.images import depth_faults
+from studies.dataset.format.folders import compact_json, listed_files
+from studies.dataset.format.index import scene_folders, write_index
 
 
 def _made_to_fit(root: Path) -> None:
@@ -121,7 +121,7 @@ def test_an_infrared_image_of_elsewhere_gives_another_depth(
     else:
         _swap(scene / f"{first}.png", scene / f"{second}.png")
     if not frames_kept:  # then only what all frames share can tell
-        monkeypatch.setattr("studies.dataset.check_view.read_frames", lambda *_: None)
+        monkeypatch.setattr("studies.dataset.check.view.read_frames", lambda *_: None)
     assert _found(dataset, "matched with gray_right it gives another depth")
 
 
@@ -145,7 +145,7 @@ def test_what_follows_from_the_frames_is_derived_again(dataset: Path, case: str)
 
 def test_decimated_depth_of_frames_that_are_not_kept_is_bounded(dataset: Path, monkeypatch: pytest.MonkeyPatch):
     """Then it cannot be derived, but its unit and where it is can."""
-    monkeypatch.setattr("studies.dataset.check_view.read_frames", lambda *_: None)
+    monkeypatch.setattr("studies.dataset.check.view.read_frames", lambda *_: None)
     _edit(dataset / "train/000000/depth_decimated/000000.png", lambda a: np.copyto(a, a // 10))
     assert _found(dataset, "in another unit than depth")
     _edit(dataset / "train/000000/depth_decimated/000000.png", lambda a: a.fill(0))
@@ -260,7 +260,7 @@ def test_scenes_of_different_versions_are_found(dataset: Path):
 
 def test_without_cad_files_the_rest_is_checked(dataset: Path, monkeypatch: pytest.MonkeyPatch):
     """No pool, so no draw: a sound dataset stays sound, and what images say is found all the same."""
-    monkeypatch.setattr("studies.dataset.check.object_pool", lambda _: None)
+    monkeypatch.setattr("studies.dataset.check.command.object_pool", lambda _: None)
     assert dataset_problems(dataset)[1] == []
     _edit_json(dataset / "train/000000/scene_gt_info.json", lambda c: c["0"][0].update(px_count_valid=1))
     assert _found(dataset, "px_count_valid is 1, not")

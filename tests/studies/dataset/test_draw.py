@@ -8,12 +8,12 @@ import trimesh
 from scipy.spatial.transform import RigidTransform
 
 from materials.material import Matte, RoughConductor
-from studies.dataset.built_scene import BUILT_IN_CLASSES, build_scene
-from studies.dataset.choices import drawn_material, log_uniform, pick
 from studies.dataset.config import Camera, DatasetConfig, load_dataset_config
-from studies.dataset.draw import CLEARANCE, draw_scene, drawn_exposure
-from studies.dataset.head import head, measured_digests, recorded
-from studies.dataset.objects import object_pool
+from studies.dataset.draw.built_scene import BUILT_IN_CLASSES, build_scene
+from studies.dataset.draw.draw import CLEARANCE, draw_scene, drawn_exposure
+from studies.dataset.draw.objects import object_pool
+from studies.dataset.draw.weighted_draw import drawn_material, log_uniform, pick
+from studies.dataset.make.manifest import head, measured_digests, recorded
 
 DRAWS = 4000
 

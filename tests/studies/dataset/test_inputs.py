@@ -11,18 +11,19 @@ import studies.dataset
 from materials.input_error import InputError
 from scenes.primitives import sphere
 from scenes.scene import Mesh
-from studies.cases import FutileError
-from studies.cli import main
-from studies.dataset import bop, make
-from studies.dataset.check import pool_of
-from studies.dataset.check_head import table_problems
+from studies.base.output_errors import FutileError
+from studies.cli.main import main
+from studies.dataset.check.command import pool_of
+from studies.dataset.check.head import table_problems
 from studies.dataset.config import DatasetConfig, load_dataset_config
-from studies.dataset.draw import draw_scene
-from studies.dataset.folders import compact_json
-from studies.dataset.head import dataset_digest, head, input_digests, measured_digests
-from studies.dataset.objects import object_pool
-from studies.dataset.scene_case import SceneTask, make_scene
-from studies.workers import Failure
+from studies.dataset.draw.draw import draw_scene
+from studies.dataset.draw.objects import object_pool
+from studies.dataset.format.folders import compact_json
+from studies.dataset.make import bop
+from studies.dataset.make import command as make
+from studies.dataset.make.manifest import dataset_digest, head, input_digests, measured_digests
+from studies.dataset.make.scene_case import SceneTask, make_scene
+from studies.work.workers import Failure
 from tests.materials.rgl_file import spectral_measurement, write_tensor_file
 from tests.studies.dataset.test_make import contents
 
@@ -77,7 +78,7 @@ def test_more_bodies_than_can_be_told_apart_are_refused(
     small_config: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ):
     """Before anything is written, though such a scene may be drawn late or never."""
-    monkeypatch.setattr("studies.dataset.objects.FIRST_LAMP", 10)
+    monkeypatch.setattr("studies.dataset.draw.objects.FIRST_LAMP", 10)
     assert main(["dataset", "make", str(small_config), str(tmp_path / "out")]) == 2
     assert "lower objects.pile_parts" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

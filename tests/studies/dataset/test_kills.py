@@ -33,7 +33,7 @@ CHANGES = (
     ("per_scene: 2", "per_scene: 1"),
 )
 """From the small dataset to one of many scenes that are made in about a second each."""
-PROGRAM = "import sys; from studies.cli import main; sys.exit(main())"
+PROGRAM = "import sys; from studies.cli.main import main; sys.exit(main())"
 
 
 @pytest.mark.slow

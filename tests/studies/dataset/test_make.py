@@ -10,14 +10,15 @@ import numpy as np
 import pytest
 
 from materials.input_error import InputError
-from studies.cli import main
-from studies.dataset import folders, make
+from studies.cli.main import main
 from studies.dataset.config import load_dataset_config
-from studies.dataset.draw import draw_scene
-from studies.dataset.existing import agreed_maker
-from studies.dataset.head import dataset_digest
-from studies.dataset.objects import object_pool
-from studies.dataset.scene_files import scene_fault
+from studies.dataset.draw.draw import draw_scene
+from studies.dataset.draw.objects import object_pool
+from studies.dataset.format import folders
+from studies.dataset.format.scene_files import scene_fault
+from studies.dataset.make import command as make
+from studies.dataset.make.manifest import dataset_digest
+from studies.dataset.make.resume import agreed_maker
 
 
 def contents(root: Path) -> dict[str, bytes]:
@@ -256,7 +257,7 @@ def test_a_full_or_read_only_disk_is_one_line(
     def fail(*_: object) -> None:
         raise OSError(number, os.strerror(number))
 
-    monkeypatch.setattr("studies.cases.os.replace", fail)
+    monkeypatch.setattr("studies.base.case_folder.os.replace", fail)
     assert main(["dataset", "make", str(small_config), str(tmp_path / "out")]) == 2
     assert ("the disk is full" if number == errno.ENOSPC else "read-only") in capsys.readouterr().err
     assert [path for path in (tmp_path / "out").rglob("*") if path.is_file()] == []

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studies.dataset import rle
+from studies.dataset.make import rle
 
 
 def test_a_mask_by_hand():

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import studies.dataset
-from render.causes import GROUPS, HOLES, LEGEND, Cause
-from studies.cli import main
-from studies.dataset.check import dataset_problems
+from render.labels.causes import GROUPS, HOLES, LEGEND, Cause
+from studies.cli.main import main
+from studies.dataset.card.factors import factors, finish_shares
+from studies.dataset.check.command import dataset_problems
 from studies.dataset.config import Materials
-from studies.dataset.factors import factors, finish_shares
-from studies.dataset.gathered import gather
-from studies.dataset.show import made_of
-from studies.dataset.statistics import FALSE_DEPTH
+from studies.dataset.format.finished_scenes import gather
+from studies.dataset.format.statistics import FALSE_DEPTH
+from studies.dataset.show.command import made_of
 
 
 def test_the_page_stands_beside_the_dataset(small_dataset: Path, capsys: pytest.CaptureFixture):

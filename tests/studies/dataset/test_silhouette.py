@@ -6,10 +6,10 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
 from materials.material import Matte
-from render.mitsuba_scene import LoadedScene, load_scene
+from render.world.mitsuba_scene import LoadedScene, load_scene
 from scenes.primitives import box, moved
 from scenes.scene import Body, Scene
-from studies.dataset.view import NO_BOX, bounding_box, silhouette
+from studies.dataset.make.view import NO_BOX, bounding_box, silhouette
 
 K = Intrinsics(64, 48, 50.0, 50.0, 31.5, 23.5)
 """The camera stands at the origin and looks along z."""

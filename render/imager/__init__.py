@@ -1,0 +1,1 @@
+"""The infrared imager: radiance in, noisy 8-bit images out."""

@@ -1,0 +1,103 @@
+"""Samples: how many are spent where, and the low-discrepancy sets that they are."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float32
+from scipy.stats import qmc
+
+from render.world import backend
+
+DIMENSIONS_PIXEL = 2
+"""Sample dimensions: position in the pixel."""
+DIMENSIONS_VERTEX = 6
+"""Sample dimensions per vertex: BSDF direction (2), point on lamps (2), BSDF component, lamp. The direction comes
+first, since a Sobol' set is most even in its first dimensions."""
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How many samples are spent where. `make bench` prints how far the defaults are from 1024 samples a pixel."""
+
+    subpixels: int = 4
+    """Positions in a pixel that sees Lambertian surfaces only."""
+    lamp_points: int = 16
+    """Points on every lamp that light a Lambertian surface."""
+    lamp_stride_px: int = 2
+    """Distance of the pixels at which that light is computed."""
+    glossy_paths: int = 32
+    """Paths of a pixel that sees a glossy surface, at first."""
+    refined_share: float = 0.25
+    """Share of those pixels, the noisiest, that are computed again."""
+    refined_paths: int = 128
+    """Paths of a pixel that is computed again."""
+    indirect_directions: int = 128
+    """Directions gathered per interpolation point of the indirect light on Lambertian surfaces."""
+    indirect_stride_px: int = 16
+    """Distance of these interpolation points."""
+    max_depth: int = 3
+    """Surface vertices of a path: 1 = direct light only, 3 = two bounces more."""
+    filtered: bool = True
+    """Look dots behind a glossy vertex up with the footprint of a sample."""
+    whole_paths_everywhere: bool = False
+    """Treat every pixel as glossy: the reference."""
+    rotated: bool = False
+    """Shift every pixel's samples at random instead of sharing them: the reference."""
+
+    def reference(self, paths: int) -> "Sampling":
+        """Plain path tracing with independent pixels and sharp dots, to check the defaults against.
+
+        It goes one vertex farther: light that a path looks up has been reflected once more than light that it finds.
+        """
+        return replace(
+            self,
+            glossy_paths=paths,
+            refined_share=0.0,
+            max_depth=self.max_depth + 1,
+            filtered=False,
+            whole_paths_everywhere=True,
+            rotated=True,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class SampleSet:
+    """A scrambled Sobol' set that every pixel shares, or that every pixel shifts at random (`rotated`)."""
+
+    n: int
+    """Samples per pixel, a power of two."""
+    table: Any
+    dimensions: int
+    rotated: bool
+
+    @classmethod
+    def sobol(cls, n: int, max_depth: int, rotated: bool = False, seed: int = 0) -> "SampleSet":
+        """n points for paths of up to `max_depth` vertices; `seed` picks the scrambling."""
+        mi = backend.mitsuba()
+        dimensions = DIMENSIONS_PIXEL + DIMENSIONS_VERTEX * (max_depth + 1)
+        points = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(seed)).random(n)
+        return cls(n, mi.Float(np.clip(points, 0, 1 - 1e-6).astype(np.float32).ravel()), dimensions, rotated)
+
+    def uniform(self, sample: Any, pixel: Any, dimension: Any, active: Any = True) -> Any:
+        """Coordinate `dimension` of the sample, in [0, 1)."""
+        mi = backend.mitsuba()
+        import drjit as dr
+
+        value = dr.gather(mi.Float, self.table, sample * self.dimensions + dimension, active)
+        if self.rotated:
+            value += mi.sample_tea_float32(pixel, dimension + 1)
+            value -= dr.floor(value)
+        return dr.minimum(value, np.float32(1 - 6e-8))
+
+
+def sample_means(values: Sequence[Any], n: int) -> Float32[np.ndarray, "c pixels"]:
+    """Means over each pixel's n consecutive samples."""
+    import drjit as dr
+
+    # One kernel for all of them first: each block sum would otherwise trace the paths again.
+    dr.eval(values)
+    sums = [dr.block_sum(value, n) for value in values]
+    dr.eval(sums)
+    return np.stack([s.numpy() for s in sums]) / np.float32(n)

@@ -1,0 +1,1 @@
+"""Stereo matchers: infrared pairs in, disparities of the left image out."""

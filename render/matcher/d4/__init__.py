@@ -1,0 +1,1 @@
+"""The matcher that fails like the RealSense D4 chip, and its compiled loops."""

@@ -1,0 +1,95 @@
+"""Flags of one command as a typed model: a YAML file first, flags over it, and every mistake as one line."""
+
+import contextlib
+import io
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Generic, TypeVar
+
+import tyro
+from pydantic import BaseModel, ValidationError
+
+from materials.input_error import InputError
+from studies.base.config import check_finite, load_config, one_line
+
+HELP_INDENT = " " * 8
+"""Tyro's indent of an option's description inside its boxes."""
+
+Settings = TypeVar("Settings", bound=BaseModel)
+Parsed = TypeVar("Parsed")
+
+
+@dataclass(frozen=True)
+class CaseCommand(Generic[Settings]):
+    """A command that makes one case: what decides the result (`settings`), and where and how it is given back."""
+
+    settings: Annotated[Settings, tyro.conf.arg(name="")]
+    out: Path
+    """Output folder. The case gets a folder of its own in it; the same command finds a finished case there."""
+    config: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """YAML file with any of the settings; flags override it."""
+    json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Print one JSON object as the last line of stdout."""
+
+
+def parse_case_command(settings: type[Settings], args: list[str], prog: str, help_text: str) -> CaseCommand[Settings]:
+    """The command that `args` spell; its `--config` file, if any, stands in for the defaults of `settings`."""
+    file = _value_of("--config", args)
+    default = CaseCommand(
+        settings=load_config(settings, Path(file)) if file else settings(),
+        out=tyro.MISSING,
+    )
+    command = parse(CaseCommand[settings], args, prog, help_text, default)
+    check_finite(command.settings, "the flags")
+    return command
+
+
+def parse(model: type[Parsed], args: list[str], prog: str, help_text: str, default: Parsed | None = None) -> Parsed:
+    """`args` as a `model`; InputError with one line when they do not fit, SystemExit(0) after `--help`."""
+    complaint = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(complaint):
+            if default is None:
+                return tyro.cli(model, args=args, prog=prog, description=help_text)
+            return tyro.cli(model, args=args, prog=prog, description=help_text, default=default)
+    except SystemExit as stop:
+        if stop.code in (0, None):
+            raise
+        raise InputError(f"{condensed(complaint.getvalue())}; see {prog} --help") from None
+    except ValidationError as error:  # of the settings themselves; those of nested models arrive condensed
+        raise InputError(one_line(error, "the flags")) from None
+
+
+def condensed(complaint: str) -> str:
+    """Tyro's boxed complaint as one line, without the help texts that it repeats."""
+    lines = [re.sub(r"\x1b\[[0-9;]*m", "", line).rstrip("│ ") for line in complaint.splitlines()]
+    lines = [line.removeprefix("│ ") for line in lines if line and line[0] not in "╭╰"]
+    lines = [";" if line[:1] == "─" else line for line in lines if not line.startswith(HELP_INDENT)]
+    lines = [line for line in lines if not re.match(r"For full helptext|\s+franbv .*--help", line)]
+    text = " ".join(" ".join(lines).split()).split(" ; Argument helptext:")[0].replace(" ;", ";").rstrip("; .")
+    return _without_pydantic(text) or "the flags cannot be understood"
+
+
+def _without_pydantic(text: str) -> str:
+    """The complaint of a model's field or validator in the words of the flags."""
+    found = re.search(r"Error parsing (\S+): \d+ validation errors? for \w+ (.*?) \[type=\S+ input_value=(.*?), ", text)
+    if not found:
+        return text[:1].lower() + text[1:]
+    model, problem, value = found.groups()
+    parents = [part for part in model.split(".") if part != "settings"]
+    if problem.startswith("Value error, "):
+        where = f"--{'.'.join(parents)}.*: " if parents else ""
+        return where + problem.removeprefix("Value error, ")
+    field, problem = problem.split(" ", maxsplit=1)
+    return f"--{'.'.join([*parents, field]).replace('_', '-')} {value}: {problem[0].lower()}{problem[1:]}"
+
+
+def _value_of(flag: str, args: list[str]) -> str | None:
+    """The value that follows `flag`, or that is joined to it by `=`."""
+    for place, arg in enumerate(args):
+        if arg == flag and place + 1 < len(args):
+            return args[place + 1]
+        if arg.startswith(f"{flag}="):
+            return arg.removeprefix(f"{flag}=")
+    return None

@@ -1,0 +1,165 @@
+"""`franbv study comparison`: FRA against PB and RE on parts A to D and an inside corner, beside the paper's numbers."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from materials.input_error import InputError
+from materials.suggestion import suggest
+from studies.base.atomic_file import write_atomically
+from studies.base.case_folder import finished_case
+from studies.base.config import load_config
+from studies.base.console import say, say_json, strict_json, warn
+from studies.base.flags import parse
+from studies.base.output_errors import prepare_output
+from studies.comparison.cases import RUNS, PlannedRun, check_runs, jobs, planned_runs
+from studies.comparison.links import LINKS
+from studies.comparison.planning_speed import SPEED_JOB, SpeedTask, is_measured, measure_speed
+from studies.comparison.preset import ComparisonPreset
+from studies.comparison.records import COLUMNS, read_records, table_row
+from studies.comparison.report.page import write_comparison_report
+from studies.comparison.statistics import Comparison
+from studies.comparison.summary import failed_runs, json_summary, paragraph
+from studies.run.ablation import ABLATIONS
+from studies.run.stored_run import REPORT
+from studies.store.tables import write_rows
+from studies.work.study_clock import StudyClock
+from studies.work.workers import Failure, Job, limit_renderer, run_jobs, worker_count
+
+PROGRAM = "franbv study comparison"
+HELP = "Compare FRA-NBV with PB-NBV and ray-cast entropy over many runs, beside the paper's numbers."
+STUDY, TABLE, SUMMARY = "comparison.json", "runs.parquet", "summary.json"
+"""The resolved preset, the table of runs and the summary, in the output folder."""
+
+
+@dataclass(frozen=True)
+class ComparisonCommand:
+    """The flags of `franbv study comparison`."""
+
+    out: Path
+    """Output folder. Finished runs in it are not repeated."""
+    preset: Annotated[str, tyro.conf.arg(metavar="quick|paper|FILE.yaml")] = "paper"
+    """What to run: a preset, or a YAML file of your own."""
+    ablations: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME...")] = ()
+    """Ablations to run beside it; `all` for all of them. Those that the folder's study has already stay in it."""
+    links: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME...")] = ()
+    """Links before the planner to change, one at a time; `all` for all of them. They stay likewise."""
+    workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Worker processes; the default is one for each processor."""
+    json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Print one JSON object as the last line of stdout."""
+
+
+def run(args: list[str]) -> int:
+    """Run what is missing, then build table and report from all runs; exit status 1 when runs failed."""
+    command = parse(ComparisonCommand, args, PROGRAM, HELP)
+    preset = ComparisonPreset.named(command.preset)
+    preset = with_named(preset, "ablations", command.ablations, ABLATIONS)
+    preset = with_named(preset, "links", command.links, LINKS)
+    preset = with_stored_arms(preset, command.out)
+    workers = worker_count(command.workers)
+    runs = planned_runs(preset)
+    check_runs(runs)
+    prepare_output(command.out)
+    write_atomically(command.out / STUDY, strict_json(preset.model_dump(mode="json"), indent=1).encode())
+    clock = StudyClock.started(command.out, command.out / RUNS, stored_summary(command.out)["wall_s"])
+    failures = reconstruct_all(command.out, preset, runs, workers)
+    for failure in failures:
+        warn(f"{PROGRAM}: {failure.name}: {failure.reason}")
+    summary, comparison = evaluate(command.out, preset, runs, failures, clock.elapsed_s())
+    clock.stop()
+    say(f"{paragraph(comparison, len(runs), failed_runs(failures))}\nReport: {command.out / REPORT}")
+    if command.json:
+        say_json(summary)
+    return 1 if failures else 0
+
+
+def with_named(
+    preset: ComparisonPreset, field: str, names: tuple[str, ...], known: Mapping[str, Any]
+) -> ComparisonPreset:
+    """The preset with these ablations or links instead of its own, if any are named."""
+    names = tuple(known) if "all" in names else names
+    for name in names:
+        if name not in known:
+            raise InputError(f"--{field} {name}: there is none; {suggest(name, known)}")
+    return preset.model_copy(update={field: tuple(dict.fromkeys(names))}) if names else preset
+
+
+def with_stored_arms(preset: ComparisonPreset, out: Path) -> ComparisonPreset:
+    """The preset with those ablations and links besides that the study in this folder has, if it is the same study.
+
+    If it is another one (a preset with more runs in the same folder, say), its arms are left out, and it is said.
+    """
+    if not (out / STUDY).exists():
+        return preset
+    try:
+        stored = load_config(ComparisonPreset, out / STUDY)
+    except InputError as error:
+        warn(f"{PROGRAM}: {error}; it is replaced, and the report leaves out what only it names")
+        return preset
+    ours, theirs = (config.model_dump(exclude={"ablations", "links"}) for config in (preset, stored))
+    differing = [key for key in ours if ours[key] != theirs[key]]
+    if not differing:
+        arms = {field: (*getattr(stored, field), *getattr(preset, field)) for field in ("ablations", "links")}
+        return preset.model_copy(update={field: tuple(dict.fromkeys(names)) for field, names in arms.items()})
+    left_out = [name for name in (*stored.ablations, *stored.links) if name not in (*preset.ablations, *preset.links)]
+    if left_out:
+        warn(
+            f"{PROGRAM}: {out / STUDY}: was of a study with another {', '.join(differing)}; "
+            f"its {', '.join(left_out)} are not in this one, name them to have them"
+        )
+    return preset
+
+
+def reconstruct_all(out: Path, preset: ComparisonPreset, runs: list[PlannedRun], workers: int) -> list[Failure]:
+    """Make the runs that are not there yet, then time planning while nothing else runs."""
+    missing = jobs(out, runs)
+    failures = run_jobs([missing], workers, limit_renderer, already_done=len(runs) - len(missing))
+    speed = speed_job(out, preset, runs)
+    return failures + (run_jobs([[speed]], 1) if speed else [])
+
+
+def speed_job(out: Path, preset: ComparisonPreset, runs: list[PlannedRun]) -> Job | None:
+    """The measurement of planning times on the maps of PB's first finished run on the last part (of FRA's the third
+    view may be a recovery), unless it is there."""
+    sources = [
+        planned for planned in runs if (planned.part, planned.arm) in {(part, "pb") for part in preset.parts[-1:]}
+    ]
+    found = next((case for planned in sources if (case := finished_case(out / RUNS, planned.digest))), None)
+    if not preset.speed or found is None:
+        return None
+    task = SpeedTask(out, found, preset.parameters)
+    return None if is_measured(task) else Job(SPEED_JOB, measure_speed, task)
+
+
+def evaluate(
+    out: Path, preset: ComparisonPreset, runs: list[PlannedRun], failures: list[Failure], wall_s: float
+) -> tuple[dict[str, Any], Comparison]:
+    """Write table, summary and report of the runs that are finished; returns the summary and the runs."""
+    comparison = Comparison(read_records(out, runs))
+    write_rows(out / TABLE, COLUMNS, map(table_row, comparison.records))
+    parts = list(dict.fromkeys(planned.part for planned in runs))
+    summary = json_summary(comparison, parts, preset.planners, failed_runs(failures), wall_s)
+    stored = {**summary, "failures": [asdict(failure) for failure in failures]}
+    write_atomically(out / SUMMARY, strict_json(stored, indent=1).encode())
+    write_comparison_report(out, preset, comparison, len(runs), failures)
+    return summary, comparison
+
+
+def stored_summary(out: Path) -> dict[str, Any]:
+    """What the last command that came to its end stored; its failures, and the wall time of the study [s]."""
+    path = out / SUMMARY
+    return json.loads(path.read_text()) if path.exists() else {"failures": [], "wall_s": 0.0}
+
+
+def rebuild(out: Path) -> Path:
+    """Table, summary and report of a comparison from its folder alone; returns the report's path."""
+    preset = load_config(ComparisonPreset, out / STUDY)
+    before = stored_summary(out)
+    failures = [Failure(**failure) for failure in before["failures"]]
+    evaluate(out, preset, planned_runs(preset), failures, before["wall_s"])
+    return out / REPORT

@@ -1,0 +1,99 @@
+"""Rows of the tables about what was changed: ablations, variants of the baseline RE, links before the planner."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from studies.comparison.links import LINKS, PLANNERS, arm_name
+from studies.comparison.statistics import Comparison
+from studies.drawing.cells import POINTS, change, mean
+from studies.run.ablation import ABLATIONS
+
+
+def ablation_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[str, Any]]:
+    """Each ablation that has runs, less the whole method over the same starts."""
+    rows = []
+    for part in parts:
+        for name, (words, planner, _) in ABLATIONS.items():
+            difference = comparison.difference(part, name, planner)
+            if difference is not None:
+                found = {
+                    key: comparison.figure_difference(part, name, planner, key)
+                    for key in ("filtered_coverage_5mm", "acquisitions", "recovery_activations")
+                }
+                rows.append(
+                    {
+                        "part": part,
+                        "words": words,
+                        "planner": planner,
+                        "pairs": difference.interval.count,
+                        "coverage": change(difference),
+                        "filtered": change(found["filtered_coverage_5mm"]),
+                        "acquisitions": change(found["acquisitions"], 1.0),
+                        "activations": change(found["recovery_activations"], 1.0),
+                    }
+                )
+    return rows
+
+
+def variant_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[str, Any]]:
+    """FRA less RE and each of its variants that has runs, over the same starts; the best covers most."""
+    variants = [name for name, ablation in ABLATIONS.items() if ablation.planner == "re"]
+    rows = []
+    for part in parts:
+        ran = [name for name in variants if comparison.pairs(part, "fra", name)]
+        shared = comparison.of_starts({run.run for name in ran for run in comparison.runs(part, name)})
+        found = {
+            name: interval
+            for name in (["re", *ran] if ran else [])
+            if shared.pairs(part, "fra", name) and (interval := shared.figure(part, name, "coverage_5mm"))
+        }
+        best = max(found, key=lambda name: found[name].mean, default=None)
+        rows += [
+            {
+                "part": part,
+                "first": name == next(iter(found)),
+                "words": "RE as in the comparison" if name == "re" else ABLATIONS[name].words,
+                "best": name == best,
+                "pairs": len(shared.pairs(part, "fra", name)),
+                "covers": mean(interval, POINTS, ".1f"),
+                "end": change(shared.difference(part, "fra", name)),
+                "acquisitions": change(shared.difference(part, "fra", name, "acquisitions")),
+                "filtered": change(shared.difference(part, "fra", name, "end", "filtered")),
+            }
+            for name, interval in found.items()
+        ]
+    return rows
+
+
+def changed_link_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[str, Any]]:
+    """FRA and PB under each changed link that has runs, after the same starts with nothing changed."""
+    rows = []
+    for part in parts:
+        changed = {
+            link.words: arms
+            for name, link in LINKS.items()
+            if comparison.pairs(part, *(arms := (arm_name("fra", name), arm_name("pb", name))))
+        }
+        starts = {run.run for arms in changed.values() for arm in arms for run in comparison.runs(part, arm)}
+        shared = comparison.of_starts(starts)
+        for words, arms in [("nothing changed", PLANNERS), *changed.items()] if changed else []:
+            fra, pb = arms
+            end = shared.difference(part, fra, pb)
+            rows.append(
+                {
+                    "part": part,
+                    "first": arms == PLANNERS,
+                    "words": words,
+                    "pairs": end.interval.count if end else 0,
+                    "fra": mean(shared.figure(part, fra, "coverage_5mm"), POINTS, ".1f"),
+                    "pb": mean(shared.figure(part, pb, "coverage_5mm"), POINTS, ".1f"),
+                    "fra_filtered": mean(shared.figure(part, fra, "filtered_coverage_5mm"), POINTS, ".1f"),
+                    "pb_filtered": mean(shared.figure(part, pb, "filtered_coverage_5mm"), POINTS, ".1f"),
+                    "end": change(end),
+                    "change": "" if arms == PLANNERS else change(shared.change_of_lead(part, (fra, pb), PLANNERS)),
+                    "acquisitions": change(shared.difference(part, fra, pb, "acquisitions")),
+                    "activations": mean(shared.figure(part, fra, "recovery_activations"), 1.0, ".1f"),
+                    "contribution": mean(shared.figure(part, fra, "recovery_share"), POINTS, ".0f"),
+                }
+            )
+    return rows

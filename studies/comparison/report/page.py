@@ -1,0 +1,98 @@
+"""The report of a comparison: the paper's sentences beside our numbers, curves, tables, boxes, times, ablations."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from studies.base.atomic_file import write_atomically
+from studies.comparison.goals import activations_rise
+from studies.comparison.paper_results import findings
+from studies.comparison.planning_speed import stored_speed
+from studies.comparison.preset import ComparisonPreset
+from studies.comparison.report.change_tables import ablation_rows, changed_link_rows, variant_rows
+from studies.comparison.report.headline import arm_words, main_numbers, part_words, short_words, version_words
+from studies.comparison.report.increments_figure import increments_figure
+from studies.comparison.report.planner_curves_figure import coinciding, planner_curves_figure
+from studies.comparison.report.sentences import link_words
+from studies.comparison.report.speed_tables import speed_section
+from studies.comparison.report.tables import (
+    arm_rows,
+    difference_rows,
+    goal_rows,
+    loss_rows,
+    overhead_words,
+    time_rows,
+)
+from studies.comparison.statistics import Comparison
+from studies.comparison.summary import failed_runs, paragraph
+from studies.comparison.verdicts import DIRECTION, FOUND, TOO_FEW, UNKNOWN
+from studies.drawing.cells import probability
+from studies.drawing.templates import environment, page_style
+from studies.run.report.page import flattened
+from studies.run.stored_run import REPORT
+from studies.statistics.intervals import least_p
+from studies.work.workers import Failure
+
+VERDICTS = {FOUND: "found", DIRECTION: "direction", TOO_FEW: "unknown", UNKNOWN: "unknown"}
+"""Classes of the verdicts; all others are missing."""
+
+
+def write_comparison_report(
+    out: Path, preset: ComparisonPreset, comparison: Comparison, planned: int, failures: Sequence[Failure]
+) -> Path:
+    """(Re)build `report.html` in the study's folder; returns its path."""
+    path = out / REPORT
+    write_atomically(path, comparison_html(preset, comparison, planned, failures, stored_speed(out)).encode())
+    return path
+
+
+def comparison_html(
+    preset: ComparisonPreset,
+    comparison: Comparison,
+    planned: int,
+    failures: Sequence[Failure],
+    speed: dict[str, Any] | None,
+) -> str:
+    """The whole page."""
+    parts = list(dict.fromkeys(record.part for record in comparison.records))
+    words, short = {part: part_words(part, preset) for part in parts}, {part: short_words(part) for part in parts}
+    arms = [arm for arm in preset.planners if any(comparison.runs(part, arm) for part in parts)]
+    differences = difference_rows(comparison, parts, [arm for arm in arms if arm != "fra"])
+    pairs = [row["pairs"] for row in differences]
+    return (
+        environment("studies.comparison.report")
+        .get_template("comparison.html.j2")
+        .render(
+            title=preset.title,
+            paragraph=paragraph(comparison, planned, failed_runs(failures)),
+            numbers=main_numbers(comparison, arms),
+            preset=preset,
+            parts=parts,
+            words=words,
+            short=short,
+            arms=arms,
+            findings=[(finding, VERDICTS.get(finding.verdict, "missing")) for finding in findings(comparison)],
+            goals=goal_rows(comparison),
+            activations=activations_rise(comparison),
+            by_iterations=planner_curves_figure(comparison, parts, arms, "iterations", short),
+            by_acquisitions=planner_curves_figure(comparison, parts, arms, "acquisitions", short),
+            coinciding=[short[part] for part in coinciding(comparison, parts)],
+            figures=arm_rows(comparison, parts, arms),
+            differences=differences,
+            least=(min(pairs), probability(least_p(min(pairs)))) if pairs else None,
+            variants=variant_rows(comparison, parts),
+            increments=increments_figure(comparison, parts, short),
+            times=time_rows(comparison, parts, arms),
+            arm=arm_words(),
+            versions=version_words(comparison),
+            overhead=overhead_words(comparison),
+            losses=loss_rows(comparison, parts),
+            links=link_words(comparison, parts, preset.parameters.recovered_share),
+            speed=speed_section(speed) if speed else None,
+            ablations=ablation_rows(comparison, preset.ablated_parts),
+            changed_links=changed_link_rows(comparison, preset.ablated_parts),
+            failures=failures,
+            config=list(flattened(preset.model_dump(mode="json"))),
+            style=page_style(("studies.comparison.report", "comparison.css")),
+        )
+    )

@@ -1,0 +1,1 @@
+"""The dataset's card: what was drawn and what was measured."""

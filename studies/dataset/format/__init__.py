@@ -1,0 +1,1 @@
+"""What a dataset's folder holds, and how it is read."""

@@ -1,0 +1,1 @@
+"""Scenes made: rendered, labelled and written in BOP's layout."""

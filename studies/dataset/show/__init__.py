@@ -1,0 +1,1 @@
+"""A contact sheet and statistics of a dataset."""

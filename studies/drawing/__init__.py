@@ -1,0 +1,1 @@
+"""Charts as SVG, table cells, page templates. Knows no study."""

@@ -1,0 +1,1 @@
+"""One reconstruction: settings, bursts, recorder, stored result."""

@@ -1,0 +1,88 @@
+"""`acquisitions.parquet`: one row per acquisition of a run. The columns, their units and meanings stand here only."""
+
+import io
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from franbv.evaluation import TOLERANCE, TOLERANCES
+from studies.base.atomic_file import write_atomically
+
+FIRST, NBV, RECOVERY = "first", "nbv", "recovery"
+"""Kinds of acquisition: the given first view, a next best view, a recovery view of a reflective region."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of the table."""
+
+    name: str
+    type: pa.DataType
+    meaning: str
+    """With the unit in square brackets."""
+
+
+def coverage_column(tolerance: float, filtered: bool = False) -> str:
+    """Name of the coverage at one tolerance [m]: `coverage_2_5mm`, `filtered_coverage_5mm`."""
+    return f"{'filtered_' if filtered else ''}coverage_{1000 * tolerance:g}mm".replace(".", "_")
+
+
+def _coverages() -> Iterable[Column]:
+    for tolerance in TOLERANCES:
+        meaning = (
+            f"Share of the visible surface within {1000 * tolerance:g} mm of the cloud, after this acquisition [-]"
+        )
+        yield Column(coverage_column(tolerance), pa.float64(), meaning)
+    meaning = "The same at 5 mm, of the points in voxels that are occupied after this acquisition [-]"
+    yield Column(coverage_column(TOLERANCE, filtered=True), pa.float64(), meaning)
+
+
+COLUMNS = (
+    Column("acquisition", pa.int32(), "Number of the acquisition, from 0 [-]"),
+    Column("kind", pa.string(), "first, nbv or recovery"),
+    Column("iteration", pa.int32(), "NBV iteration that it belongs to; 0 = the first view [-]"),
+    Column("activation", pa.int32(), "Recovery activation that it belongs to, from 1; empty for other views [-]"),
+    Column("position", pa.list_(pa.float64(), 3), "Origin of the left imager, world frame [m]"),
+    Column("quaternion_xyzw", pa.list_(pa.float64(), 4), "Orientation of the left imager, world frame [-]"),
+    Column("utility", pa.float64(), "U or U_r of the chosen pose; empty for the first view [px^2]"),
+    Column("unreachable", pa.int32(), "Candidate poses that the arm could not reach [-]"),
+    Column("valid_share", pa.float64(), "Share of the pixels with depth in more than half of the frames [-]"),
+    Column("pixels", pa.int32(), "Pixels of the depth image [px]"),
+    Column("invalid_pixels", pa.int32(), "Frequently invalid pixels, |I| [px]"),
+    Column("silhouette_pixels", pa.int32(), "Pixels of the projected ellipsoids, |I_o| [px]"),
+    Column("candidate_pixels", pa.int32(), "Invalid pixels well inside the silhouette, |I_c| [px]"),
+    Column("reflective_pixels", pa.int32(), "Candidates whose ray first meets a frontier ellipsoid [px]"),
+    Column("regions", pa.int32(), "Reflective regions found [-]"),
+    Column("recovery_poses", pa.int32(), "Poses for the recovery that this acquisition sets off; empty if none [-]"),
+    Column("gamma", pa.float64(), "Gamma after a recovery view; empty for other views [-]"),
+    Column("gamma_attainable", pa.float64(), "Gamma over what a surface patch can attain; empty for other views [-]"),
+    Column("occupied_voxels", pa.int32(), "Occupied voxels of the object [-]"),
+    Column("frontier_voxels", pa.int32(), "Frontier voxels [-]"),
+    Column("occupied_ellipsoids", pa.int32(), "K_o [-]"),
+    Column("frontier_ellipsoids", pa.int32(), "K_f [-]"),
+    Column("points", pa.int32(), "Points that this acquisition adds to the cloud [-]"),
+    *_coverages(),
+    Column("motion_s", pa.float64(), "Modelled time of the arm's motion to this pose [s]"),
+)
+
+SCHEMA = pa.schema([pa.field(c.name, c.type, metadata={"meaning": c.meaning}) for c in COLUMNS])
+
+
+def write_table(path: Path, rows: Iterable[Mapping[str, Any]]) -> None:
+    """Write the rows; a column that a row leaves out is empty, one that the schema does not know is an error."""
+    rows = list(rows)
+    unknown = {name for row in rows for name in row} - set(SCHEMA.names)
+    if unknown:
+        raise ValueError(f"columns {sorted(unknown)} are not in the schema of {path.name}")
+    buffer = io.BytesIO()
+    pq.write_table(pa.Table.from_pylist([dict(row) for row in rows], schema=SCHEMA), buffer)
+    write_atomically(path, buffer.getvalue())
+
+
+def read_table(path: Path) -> list[dict[str, Any]]:
+    """The rows in order."""
+    return pq.read_table(path).to_pylist()

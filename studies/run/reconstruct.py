@@ -1,0 +1,67 @@
+"""A part reconstructed with the simulated camera and arm, from the first view to the last."""
+
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import UInt8
+from scipy.spatial.transform import RigidTransform
+
+from franbv.parameters import Parameters
+from franbv.sensing import DepthBurst
+from materials.input_error import InputError
+from render.arm.arm import SimulatedArm
+from render.d435i import SimulatedD435i
+from render.world.visibility import seen_from_above
+from scenes.reference_points import part_box
+from scenes.scene import Scene
+from studies.run.bursts import KeptCaptures, Take
+from studies.run.reference import reference_surface
+from studies.run.run_case import RunSettings, write_run
+from studies.run.scene_settings import Subject, SubjectSettings
+from studies.run.shared_bursts import SharedCaptures
+
+
+class ReconstructSettings(RunSettings, SubjectSettings):
+    """What decides a reconstruction: the subject and the run."""
+
+
+def simulate(
+    folder: Path,
+    config: ReconstructSettings,
+    subject: Subject,
+    watched: bool = True,
+    shared: SharedCaptures | None = None,
+) -> None:
+    """Run the loop with the simulated camera and arm; `watched` as in `write_run`, `shared` as in `KeptCaptures`."""
+    camera = SimulatedD435i(subject.scene, config.sensor, config.seed)
+    captures = KeptCaptures(take_with(camera), camera.intrinsics, camera.min_z, folder, shared)
+    reference = reference_surface(subject.scene, lambda points, normals: seen_from_above(camera.world, points, normals))
+    arm = SimulatedArm.around(subject.scene.part_mesh())
+    write_run(folder, config, subject.title, captures, arm, reference, watched)
+
+
+def take_with(camera: SimulatedD435i) -> Take:
+    """The camera as `studies.run.bursts.Take`; the infrared image is cut to what the depth image covers."""
+    covered = camera.window.slices if camera.window else np.s_[:, :]
+
+    def take(T_world_cam: RigidTransform, n_frames: int) -> tuple[DepthBurst, UInt8[np.ndarray, "h w"]]:
+        measurement = camera.measure(T_world_cam, n_frames)
+        return measurement.burst, measurement.lefts[0][covered]
+
+    return take
+
+
+def check_workspace(scene: Scene, parameters: Parameters) -> None:
+    """InputError when the part does not fit into the box that the planner maps."""
+    low, high = part_box(scene)
+    if np.any(low[:2] < parameters.workspace_min[:2]) or np.any(high > parameters.workspace_max):
+        size = _millimetres(high - low)
+        room = _millimetres(np.subtract(parameters.workspace_max, parameters.workspace_min))
+        raise InputError(
+            f"{scene.name}: {size} mm do not fit into the mapped box of {room} mm around the origin; "
+            "raise --parameters.workspace-min and --parameters.workspace-max"
+        )
+
+
+def _millimetres(sides: np.ndarray) -> str:
+    return " x ".join(f"{1000 * side:.0f}" for side in sides)

@@ -1,0 +1,164 @@
+"""Turns the acquisitions of a run into what is stored of it: rows, views, clouds, the reference surface, a summary."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.spatial import KDTree
+
+from franbv.acquisition import Acquisition, Reconstruction
+from franbv.evaluation import (
+    TOLERANCE,
+    TOLERANCES,
+    Quality,
+    Reference,
+    history,
+    quality,
+    wrongly_free_share,
+    wrongly_occupied_share,
+)
+from franbv.parameters import Parameters
+from franbv.reflective_regions import View, inside_eroded_silhouette, persistent_invalid
+from studies.run.acquisition_table import RECOVERY, coverage_column
+from studies.store.images import MM
+from studies.store.views import StoredView, camera_vector
+
+
+class RunRecorder:
+    """Observes a reconstruction."""
+
+    def __init__(self, reference: Reference, parameters: Parameters) -> None:
+        self.rows: list[dict[str, Any]] = []
+        self.covered_at: Int[np.ndarray, "m"] = np.full(len(reference.points), -1)
+        """First acquisition after which each reference point is covered at 5 mm, -1 = never."""
+        self._reference = reference
+        self._parameters = parameters
+        self._nearest = np.full(len(reference.points), np.inf)
+        self._activations = 0
+
+    def observe(self, acquisition: Acquisition) -> StoredView:
+        """Add the acquisition's row; returns what is stored of its view."""
+        self._update_coverage(acquisition)
+        self._activations += acquisition.activates
+        view = stored_view(acquisition, self._parameters)
+        self.rows.append(self._row(acquisition, view))
+        return view
+
+    def finished_rows(self, run: Reconstruction) -> list[dict[str, Any]]:
+        """The rows with the map-filtered coverage, which is found for all acquisitions at once."""
+        filtered = history(self._reference, run.acquisitions).filtered_coverage
+        column = coverage_column(TOLERANCE, filtered=True)
+        return [row | {column: float(value)} for row, value in zip(self.rows, filtered, strict=True)]
+
+    def _update_coverage(self, acquisition: Acquisition) -> None:
+        if len(acquisition.points):
+            distance, _ = KDTree(acquisition.points).query(
+                self._reference.points, distance_upper_bound=np.nextafter(max(TOLERANCES), 1.0)
+            )
+            self._nearest = np.minimum(self._nearest, distance)
+        self.covered_at[(self.covered_at < 0) & (self._nearest <= TOLERANCE)] = acquisition.index
+
+    def _row(self, a: Acquisition, view: StoredView) -> dict[str, Any]:
+        pose = a.burst.T_world_cam
+        found = a.detection
+        return {
+            "acquisition": a.index,
+            "kind": a.kind,
+            "iteration": a.nbv_iteration,
+            "activation": self._activations if a.kind == RECOVERY else None,
+            "position": pose.translation.tolist(),
+            "quaternion_xyzw": pose.rotation.as_quat().tolist(),
+            "utility": a.utility,
+            "unreachable": a.n_unreachable,
+            "valid_share": float(np.mean(~view.invalid)),
+            "pixels": int(view.invalid.size),
+            "invalid_pixels": int(view.invalid.sum()),
+            "silhouette_pixels": int(view.silhouette.sum()),
+            "candidate_pixels": int(view.candidates.sum()),
+            "reflective_pixels": None if found is None else int(view.reflective.sum()),
+            "regions": None if found is None else len(found.boxes),
+            "recovery_poses": None if a.recovery_poses is None else len(a.recovery_poses.poses),
+            "gamma": a.gamma,
+            "gamma_attainable": a.gamma_attainable,
+            "occupied_voxels": len(a.model.object.occupied),
+            "frontier_voxels": len(a.model.object.frontier),
+            "occupied_ellipsoids": int(np.count_nonzero(~a.model.ellipsoids.is_frontier)),
+            "frontier_ellipsoids": int(np.count_nonzero(a.model.ellipsoids.is_frontier)),
+            "points": len(a.points),
+            "motion_s": a.motion_s,
+            **{coverage_column(t): float(np.mean(self._nearest <= t)) for t in TOLERANCES},
+        }
+
+
+def stored_view(a: Acquisition, parameters: Parameters) -> StoredView:
+    """What is kept of one acquisition. Where the planner did not look for regions, the masks are made here."""
+    seen = View(a.burst, a.model.ellipsoids, parameters)
+    invalid = persistent_invalid(seen)
+    found = a.detection
+    boxes = found.boxes if found else ()
+    return StoredView(
+        T_world_cam=a.burst.T_world_cam.as_matrix(),
+        camera=camera_vector(a.burst.intrinsics),
+        depth=a.burst.median_depth(parameters.invalid_share).astype(np.float32),
+        invalid=invalid,
+        silhouette=seen.silhouette,
+        candidates=found.candidates if found else invalid & inside_eroded_silhouette(seen),
+        reflective=found.retained if found else np.zeros_like(invalid),
+        ellipsoid_centres=a.model.ellipsoids.centres,
+        ellipsoid_shapes=a.model.ellipsoids.shapes,
+        ellipsoid_is_frontier=a.model.ellipsoids.is_frontier,
+        region_centres=np.array([box.centre for box in boxes]).reshape(-1, 3),
+        region_axes=np.array([box.axes for box in boxes]).reshape(-1, 3, 3),
+        region_half_extents=np.array([box.half_extents for box in boxes]).reshape(-1, 3),
+    )
+
+
+def cloud_owner(run: Reconstruction) -> Int[np.ndarray, "n"]:
+    """The acquisition that saw each point of the run's cloud."""
+    return np.repeat(np.arange(len(run.acquisitions)), [len(a.points) for a in run.acquisitions])
+
+
+def run_summary(run: Reconstruction, reference: Reference) -> dict[str, Any]:
+    """The figures of a run; shares as fractions, lengths in millimetres."""
+    past = history(reference, run.acquisitions)
+    final = run.acquisitions[-1].model
+    occupied = final.object.occupied
+    return {
+        **_quality_figures(quality(reference, run.cloud), ""),
+        **_quality_figures(quality(reference, run.cloud[run.is_mapped]), "filtered_"),
+        "wrongly_free_share": wrongly_free_share(reference, final.voxel_map),
+        "wrongly_occupied_share": wrongly_occupied_share(reference, occupied, final.voxel_map.voxel_size),
+        "acquisitions": len(run.acquisitions),
+        "nbv_iterations": run.acquisitions[-1].nbv_iteration,
+        "recovery_activations": past.n_activations,
+        "recovery_acquisitions": sum(a.kind == RECOVERY for a in run.acquisitions),
+        "recovery_gain": past.recovery_gain,
+        "recovery_share": past.recovery_share,
+        "stop": str(run.stop),
+    }
+
+
+def _quality_figures(found: Quality, prefix: str) -> dict[str, float]:
+    coverages = {coverage_column(t, filtered=bool(prefix)): found.coverage[t] for t in TOLERANCES}
+    return coverages | {
+        f"{prefix}accuracy_mm": MM * found.accuracy_mean,
+        f"{prefix}accuracy_median_mm": MM * found.accuracy_median,
+        f"{prefix}precision_5mm": found.precision,
+        f"{prefix}f_score": found.f_score,
+    }
+
+
+def timing_figures(times: list[dict[str, float]], wall_s: float, processor_s: float) -> dict[str, float]:
+    """Medians over the acquisitions [s]: `sensing` apart, all other stages are planning."""
+    planning = [sum(seconds for stage, seconds in row.items() if stage != "sensing") for row in times]
+    return {
+        "planning_s_median": float(np.median(planning)),
+        "sensing_s_median": float(np.median([row["sensing"] for row in times])),
+        "wall_s": wall_s,
+        "processor_s": processor_s,
+    }
+
+
+def surface_arrays(reference: Reference, recorder: RunRecorder) -> dict[str, Float[np.ndarray, "..."]]:
+    """The reference points [m] and when each was covered."""
+    return {"points": reference.points.astype(np.float32), "covered_at": recorder.covered_at.astype(np.int16)}

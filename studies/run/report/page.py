@@ -1,0 +1,88 @@
+"""Puts the report of a reconstruction together: figures, strips, tables and words into one HTML file."""
+
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from markupsafe import Markup
+
+from studies.base.atomic_file import write_atomically
+from studies.base.numbers_as_text import number, percent
+from studies.drawing.templates import asset, environment, page_style
+from studies.run.acquisition_table import RECOVERY
+from studies.run.report.coverage_figure import coverage_figure
+from studies.run.report.scene_payload import scene_payload
+from studies.run.report.strip import strip
+from studies.run.report.timing_figure import SENSING, stage_names, stage_times, timing_figure
+from studies.run.sentences import run_paragraph
+from studies.run.stored_run import REPORT, StoredRun
+
+
+def write_report(case: Path) -> Path:
+    """(Re)build `report.html` from the other files of the case; returns its path."""
+    path = case / REPORT
+    write_atomically(path, report_html(StoredRun(case)).encode())
+    return path
+
+
+def report_html(stored: StoredRun) -> str:
+    """The whole page."""
+    rows = stored.rows
+    views = [stored.view(k) for k in range(len(rows))]
+    stages = stored.timings["acquisitions"]
+    strips = [strip(view, stored.infrared(k)) for k, view in enumerate(views)]
+    return (
+        environment("studies.run.report")
+        .get_template("reconstruction.html.j2")
+        .render(
+            run=stored.run,
+            summary=stored.run["summary"],
+            paragraph=run_paragraph(stored.run, stored.timings),
+            tiles=list(tiles(stored.run["summary"], stored.timings)),
+            coverage=coverage_figure(rows),
+            acquisitions=[(row, picture, gain) for row, picture, gain in zip(rows, strips, gains(rows), strict=True)],
+            recoveries=sum(row["kind"] == RECOVERY for row in rows),
+            sensing=timing_figure(stages, [SENSING], "Sensing [s]"),
+            planning=timing_figure(stages, [name for name in stage_names(stages) if name != SENSING], "Planning [s]"),
+            stages=stage_times(stages),
+            n_frames=stored.run["config"]["parameters"]["n_frames"],
+            config=list(flattened(stored.run["config"])),
+            scene=Markup(scene_payload(rows, views, *stored.cloud, *stored.surface)),
+            style=page_style(),
+            script=Markup(asset("studies.run.report", "scene_viewer.js")),
+        )
+    )
+
+
+def tiles(summary: Mapping[str, Any], timings: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """Headline figures: value, name, what it is measured against."""
+    yield percent(summary["coverage_5mm"]), "coverage", "visible surface within 5 mm of the cloud"
+    yield percent(summary["filtered_coverage_5mm"]), "filtered coverage", "same, only points in occupied voxels"
+    yield (
+        f"{number(summary['accuracy_mm'], '.1f')} mm",
+        "accuracy",
+        f"mean distance to the surface; median {number(summary['accuracy_median_mm'], '.1f')} mm",
+    )
+    yield number(summary["f_score"], ".2f"), "F-score", "coverage against share of true points, at 5 mm"
+    yield str(summary["acquisitions"]), "acquisitions", f"in {summary['nbv_iterations']} NBV iterations"
+    share = percent(summary["recovery_share"])
+    activations = summary["recovery_activations"]
+    name = "recovery activation" if activations == 1 else "recovery activations"
+    yield str(activations), name, f"their views brought {share} of the coverage"
+    yield f"{timings['wall_s']:.0f} s", "wall time", "sensor simulation, planning and evaluation"
+
+
+def gains(rows: list[dict[str, Any]]) -> list[float]:
+    """Coverage that each acquisition added at 5 mm [-]."""
+    values = [0.0, *(row["coverage_5mm"] for row in rows)]
+    return [after - before for before, after in pairwise(values)]
+
+
+def flattened(config: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Keys joined by dots, with their values."""
+    for key, value in config.items():
+        if isinstance(value, Mapping):
+            yield from flattened(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", ", ".join(map(str, value)) if isinstance(value, list) else str(value)

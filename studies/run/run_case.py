@@ -1,0 +1,133 @@
+"""Runs the loop with any camera and arm, and writes everything that a reconstruction leaves."""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import Field, model_validator
+
+from franbv.acquisition import Acquisition, Reconstruction
+from franbv.evaluation import Reference
+from franbv.parameters import Parameters
+from franbv.reconstruction import reconstruct
+from franbv.sensing import Arm
+from studies.base.atomic_file import write_atomically
+from studies.base.case_folder import case_digest
+from studies.base.config import Config
+from studies.base.console import progress_bar, strict_json
+from studies.base.single_case import versions
+from studies.run.ablation import Ablation, build_planner
+from studies.run.acquisition_table import write_table
+from studies.run.bursts import KeptCaptures
+from studies.run.recorder import RunRecorder, cloud_owner, run_summary, surface_arrays, timing_figures
+from studies.run.report.page import write_report
+from studies.run.stored_run import CLOUD, FILTERED_CLOUD, RUN, SURFACE, TABLE, TIMINGS
+from studies.store.ply import write_ply
+from studies.store.views import write_arrays, write_view
+
+COMMAND = "reconstruct"
+"""What the case's name and its `run.json` call it."""
+
+
+class RunSettings(Config):
+    """What decides a run, apart from what stands before the camera."""
+
+    planner: Literal["fra", "pb", "re", "random"] = "fra"
+    """fra: FRA-NBV as in the paper. pb: PB-NBV, the same without recovery of reflective regions. re: ray-cast entropy.
+    random: any reachable candidate."""
+    azimuth_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    """Where the first view stands [deg]; run i of n starts at 360 i / n."""
+    seed: Annotated[int, Field(ge=0)] = 0
+    """Root seed of all randomness, the sensor's noise and the planner's choices."""
+    parameters: Parameters = Parameters()
+    """Of the method, as in the paper's table where that has them."""
+    ablation: Ablation = Ablation()
+    """What of it is changed."""
+
+    @model_validator(mode="after")
+    def _fitting(self) -> "RunSettings":
+        misfit = self.ablation.misfit(self.planner)
+        if misfit:
+            raise ValueError(misfit)
+        return self
+
+
+AnyRun = TypeVar("AnyRun", bound=RunSettings)
+
+
+def ablated(settings: AnyRun) -> AnyRun:
+    """The settings with the ablation in the parameters where it belongs there: equal runs have equal settings."""
+    parameters = settings.ablation.changed(settings.parameters)
+    return settings.model_copy(update={"parameters": parameters, "ablation": settings.ablation.of_functions()})
+
+
+def write_run(
+    folder: Path,
+    config: RunSettings,
+    title: str,
+    captures: KeptCaptures,
+    arm: Arm,
+    reference: Reference,
+    watched: bool = True,
+) -> None:
+    """Run the loop and write its result, its timings and its report into the case's folder.
+
+    config: as `ablated` gives it.
+    watched: whether to show a progress display of this run.
+    """
+    recorder = RunRecorder(reference, config.parameters)
+    result = _observed_run(folder, config, captures, arm, recorder, watched)
+    write_result(folder, config, title, result, reference, recorder)
+    times = [
+        {"sensing": sensing, **acquisition.planning_s}
+        for sensing, acquisition in zip(captures.sensing_s, result.acquisitions, strict=True)
+    ]
+    timings = {**timing_figures(times, captures.elapsed_s, captures.processor_s), "acquisitions": times}
+    write_atomically(folder / TIMINGS, strict_json(timings, indent=1).encode())
+    write_report(folder)
+    captures.drop_times()
+
+
+def write_result(
+    folder: Path,
+    config: RunSettings,
+    title: str,
+    result: Reconstruction,
+    reference: Reference,
+    recorder: RunRecorder,
+) -> None:
+    """Write everything that two runs of one configuration have in common, byte for byte."""
+    owner = cloud_owner(result)
+    write_ply(folder / CLOUD, result.cloud, owner)
+    write_ply(folder / FILTERED_CLOUD, result.cloud[result.is_mapped], owner[result.is_mapped])
+    write_arrays(folder / SURFACE, surface_arrays(reference, recorder))
+    write_table(folder / TABLE, recorder.finished_rows(result))
+    facts: dict[str, Any] = {
+        "command": COMMAND,
+        "case": case_digest(COMMAND, config),
+        "title": title,
+        "config": config.model_dump(mode="json"),
+        "versions": versions(),
+        "surface_points": len(reference.points),
+        "summary": run_summary(result, reference),
+    }
+    write_atomically(folder / RUN, strict_json(facts, indent=1).encode())
+
+
+def _observed_run(
+    folder: Path, config: RunSettings, captures: KeptCaptures, arm: Arm, recorder: RunRecorder, watched: bool
+) -> Reconstruction:
+    """Run the loop under a progress display."""
+    with progress_bar(watched) as progress:
+        task = progress.add_task("first view", total=config.parameters.max_iterations)
+
+        def observe(acquisition: Acquisition) -> None:
+            write_view(folder, acquisition.index, recorder.observe(acquisition))
+            coverage = 100 * recorder.rows[-1]["coverage_5mm"]
+            progress.update(
+                task,
+                completed=acquisition.nbv_iteration,
+                description=f"acquisition {acquisition.index + 1}, coverage {coverage:.0f} %, NBV iteration",
+            )
+
+        planner = build_planner(config.planner, config.ablation)
+        return reconstruct(captures, arm, planner, config.parameters, config.seed, config.azimuth_deg, observe)

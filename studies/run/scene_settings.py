@@ -1,0 +1,115 @@
+"""What stands in front of the sensor, as settings: a part of ours or a CAD file, materials, lamps, camera."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal, TypeVar
+
+import numpy as np
+import tyro
+from pydantic import Field
+
+from materials.catalog import material
+from materials.input_error import InputError
+from materials.user_materials import UserMaterials, load_user_materials
+from render.d435i import SensorSettings
+from render.depth.decimation import crop_centre, decimated_intrinsics
+from render.world.rig import d435i_rig
+from scenes.build import COUPONS, coupon_scene, part_scene, scene_on_table
+from scenes.part_materials import part_materials
+from scenes.parts import PART_NAMES, part_description
+from scenes.scene import Scene
+from scenes.user_mesh import load_user_part
+from studies.base.atomic_file import file_digest
+from studies.base.config import Config
+
+
+class SubjectSettings(Config):
+    """Shared by every command that looks at a part."""
+
+    part: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    """Part A, B, C or D, or a coupon: plate, ball, upright_cylinder, lying_cylinder, inside_corner."""
+    mesh: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """CAD file instead of a part: STL, PLY, OBJ, GLB, or STEP with the extra `step`."""
+    units: Annotated[str | None, tyro.conf.arg(metavar="mm|cm|m|in")] = None
+    """Unit of the CAD file; only GLB and STEP know their own."""
+    up: Literal["x", "y", "z"] | None = None
+    """Upward axis of the CAD file; the default is its format's convention."""
+    material: Annotated[tuple[str, ...], tyro.conf.arg(metavar="METAL:FINISH|BODY=METAL:FINISH")] = ()
+    """One material for all bodies, or one per body name; parts A-D come with those of the real things."""
+    materials_file: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """YAML file with materials of your own."""
+    lamps: str = "workshop"
+    """Lamp preset."""
+    room: bool = True
+    """Whether there is a room around the table."""
+    seed: Annotated[int, Field(ge=0)] = 0
+    """Root seed of all randomness, the sensor's noise and the planner's choices."""
+    sensor: SensorSettings = SensorSettings()
+    """The camera."""
+    digests: Annotated[dict[str, str], tyro.conf.Suppress] = Field(default_factory=dict)
+    """Filled in when the settings are resolved: hashes of the input files' content."""
+
+
+AnySubject = TypeVar("AnySubject", bound=SubjectSettings)
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """A scene ready to be looked at."""
+
+    title: str
+    """For people: what is reconstructed."""
+    scene: Scene
+    notices: tuple[str, ...] = ()
+    """What was mended in a CAD file, one line each."""
+
+
+def build_subject(settings: SubjectSettings) -> Subject:
+    """The scene that the settings describe; InputError for whatever is wrong with them. Loads no renderer."""
+    if (settings.part is None) == (settings.mesh is None):
+        raise InputError(
+            "nothing to look at; give either --part A, B, C or D, or --mesh FILE with --units and --material"
+        )
+    check_sensor(settings.sensor)
+    user = load_user_materials(settings.materials_file) if settings.materials_file else UserMaterials()
+    if settings.mesh is not None:
+        return _from_file(settings, settings.mesh, user)
+    if settings.units or settings.up:
+        raise InputError(f"part {settings.part}: --units and --up are for --mesh; leave them out")
+    if settings.part in COUPONS:
+        return _coupon(settings, settings.part, user)
+    part = str(settings.part)
+    if part not in PART_NAMES:
+        raise InputError(f"part {part}: there is none; choose {', '.join([*PART_NAMES, *COUPONS])}")
+    materials = part_materials(settings.material, user) if settings.material else None
+    scene = part_scene(part, materials, settings.lamps, room=settings.room)
+    changed = f", as {', '.join(settings.material)}" if settings.material else ""
+    return Subject(f"Part {part}, {part_description(part)}{changed}", scene)
+
+
+def check_sensor(sensor: SensorSettings) -> None:
+    """InputError for a stream profile or a crop that the camera does not have."""
+    full = d435i_rig(sensor.profile).intrinsics
+    reduced = decimated_intrinsics(full, sensor.decimation)
+    if sensor.crop is not None:
+        crop_centre(np.zeros((1, reduced.height, reduced.width), np.uint16), reduced, sensor.crop)
+
+
+def resolved(settings: AnySubject) -> AnySubject:
+    """The settings that decide the result: input files by name and content, not by where they lie."""
+    files = {name: path for name in ("mesh", "materials_file") if (path := getattr(settings, name)) is not None}
+    names = {name: Path(path.name) for name, path in files.items()}
+    return settings.model_copy(update={**names, "digests": {name: file_digest(path) for name, path in files.items()}})
+
+
+def _from_file(settings: SubjectSettings, path: Path, user: UserMaterials) -> Subject:
+    part = load_user_part(path, settings.units, part_materials(settings.material, user), settings.up)
+    scene = scene_on_table(part.name, part.bodies, settings.lamps, room=settings.room)
+    return Subject(f"{path.name}, {', '.join(settings.material)}", scene, part.notices)
+
+
+def _coupon(settings: SubjectSettings, coupon: str, user: UserMaterials) -> Subject:
+    if len(settings.material) != 1:
+        raise InputError(f"{coupon}: a coupon needs one material; give --material metal:finish")
+    scene = coupon_scene(coupon, material(settings.material[0], user), settings.lamps, room=settings.room)
+    return Subject(f"{coupon.replace('_', ' ').capitalize()}, {settings.material[0]}", scene)

@@ -1,0 +1,47 @@
+"""What a reconstruction reached, in words: the paragraph at the end of the command and at the head of the report."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from studies.base.numbers_as_text import counted, millimetres, number, percent
+
+STOP_WORDS = {
+    "max_iterations": "the allowed number of next best views was taken",
+    "stagnation": "the utility of the best view had stopped changing",
+    "no_reachable_view": "the arm could reach none of the candidate views",
+}
+"""Why a run ended, by the name of the rule."""
+
+PLANNER_WORDS = {
+    "fra": "FRA-NBV",
+    "fra-robust": "FRA-NBV, robust detector",
+    "pb": "PB-NBV",
+    "re": "ray-cast entropy",
+    "random": "random views",
+}
+"""Planners by their name on the command line."""
+
+
+def run_paragraph(run: Mapping[str, Any], timings: Mapping[str, Any]) -> str:
+    """One readable paragraph; `run` is run.json, `timings` timings.json."""
+    s = run["summary"]
+    planner = PLANNER_WORDS.get(run["config"]["planner"], run["config"]["planner"])
+    effort = f"{counted(s['acquisitions'], 'acquisition')} in {counted(s['nbv_iterations'], 'NBV iteration')}"
+    sentences = [
+        f"{planner} took {effort} and reconstructed {percent(s['coverage_5mm'])} of the visible surface to within 5 mm "
+        f"({percent(s['filtered_coverage_5mm'])} when only points in occupied voxels count).",
+        f"The cloud lies {millimetres(s['accuracy_mm'])} off the true surface on average, "
+        f"{millimetres(s['accuracy_median_mm'])} in the median; its F-score is {number(s['f_score'], '.2f')} at 5 mm.",
+        _recovery_sentence(s),
+        f"It ended because {STOP_WORDS.get(s['stop'], s['stop'])}, after {timings['wall_s']:.0f} s.",
+    ]
+    return " ".join(sentence for sentence in sentences if sentence)
+
+
+def _recovery_sentence(summary: Mapping[str, Any]) -> str:
+    if not summary["recovery_activations"]:
+        return "No reflective region started a recovery."
+    return (
+        f"Reflective regions started {counted(summary['recovery_activations'], 'recovery', 'recoveries')}, "
+        f"whose views brought {percent(summary['recovery_share'])} of that coverage."
+    )

@@ -1,0 +1,1 @@
+"""Which materials and angles break the depth, the detector and the recovery, and why."""

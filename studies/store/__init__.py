@@ -1,0 +1,1 @@
+"""Files that results are kept in: views, images, tables, clouds, label maps."""

@@ -1,0 +1,1 @@
+"""The executor: jobs on processes of this machine or on Dask workers."""
