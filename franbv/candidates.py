@@ -4,12 +4,13 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial.transform import RigidTransform, Rotation
 
+from franbv.frames import rolled
 from franbv.geometry.oriented_box import OrientedBox, axis_aligned_box
 from franbv.parameters import Parameters
 
 
 def candidate_poses(box: OrientedBox, parameters: Parameters, azimuth_offset: float) -> list[RigidTransform]:
-    """N_pos poses T_world_cam on rings around the box's centre, all looking at it.
+    """N_pos poses T_world_cam on rings around the box's centre, all looking at it, turned by the camera's roll.
 
     The rings' polar angles are evenly spaced and the poses are shared out by ring length, so that they are about
     equally far apart. The radius is gamma plus the box's half diagonal.
@@ -19,15 +20,17 @@ def candidate_poses(box: OrientedBox, parameters: Parameters, azimuth_offset: fl
     counts = ring_counts(np.sin(polar), parameters.n_candidates)
     azimuth = azimuth_offset + np.concatenate([2 * np.pi * np.arange(count) / count for count in counts])
     radius = parameters.stand_off + box.half_diagonal
-    poses = _facing(box.centre, radius, np.repeat(polar, counts), azimuth)
+    poses = rolled(_facing(box.centre, radius, np.repeat(polar, counts), azimuth), parameters.roll_deg)
     return [poses[k] for k in range(len(azimuth))]
 
 
 def first_view(parameters: Parameters, azimuth_deg: float) -> RigidTransform:
-    """The pose T_world_cam of the first acquisition: the prior box seen from the given azimuth."""
+    """The pose T_world_cam of the first acquisition: the prior box seen from the given azimuth, the camera's roll in
+    it."""
     prior = axis_aligned_box(np.array(parameters.prior_min), np.array(parameters.prior_max))
     polar = np.radians([90.0 - parameters.first_elevation_deg])
-    return _facing(prior.centre, parameters.stand_off + prior.half_diagonal, polar, np.radians([azimuth_deg]))[0]
+    pose = _facing(prior.centre, parameters.stand_off + prior.half_diagonal, polar, np.radians([azimuth_deg]))[0]
+    return rolled(pose, parameters.roll_deg)
 
 
 def ring_counts(lengths: Float[np.ndarray, "r"], total: int) -> Int[np.ndarray, "r"]:

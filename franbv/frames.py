@@ -64,6 +64,16 @@ def look_at(
     return RigidTransform.from_components(eye, Rotation.from_matrix(np.column_stack([x, np.cross(z, x), z])))
 
 
+def rolled(T_world_cam: RigidTransform, roll_deg: float) -> RigidTransform:
+    """The pose of a camera that is turned in its mount about its optical axis, clockwise as the camera looks [deg].
+
+    At 90 deg the image's left border looks up: its x axis points where, upright, its y axis does.
+    """
+    if roll_deg == 0:
+        return T_world_cam  # to the last bit
+    return T_world_cam * RigidTransform.from_rotation(Rotation.from_euler("z", roll_deg, degrees=True))
+
+
 def project(points_cam: Float[np.ndarray, "n 3"], intrinsics: Intrinsics) -> Float[np.ndarray, "n 2"]:
     """Pixel coordinates (u, v) of camera-frame points; points with z <= 0 give NaN."""
     z = np.where(points_cam[:, 2] > 0, points_cam[:, 2], np.nan)

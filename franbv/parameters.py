@@ -27,6 +27,13 @@ class Parameters(BaseModel):
     # -- acquisition -------------------------------------------------------------------------------------------------
     n_frames: Count = _number(15, "N_k, depth frames taken from each pose [-]. Table.")
 
+    roll_deg: Annotated[float, Field(ge=-180, le=180)] = _number(
+        0.0,
+        "Turn of the camera in its mount about its optical axis, clockwise as it looks [deg]: 0 = baseline horizontal, "
+        "90 = on end. Every pose that the planner asks for carries it. Choice: 0, as on a tripod; on a robot whatever "
+        "the bracket has. The commands set it from the simulated sensor's own, so that the two cannot disagree.",
+    )
+
     # -- voxel map ---------------------------------------------------------------------------------------------------
     voxel_size: Positive = _number(0.0075, "s_v, voxel side [m]. Table.")
     workspace_min: Vector = _number(

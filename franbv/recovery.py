@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.spatial.transform import RigidTransform
 
-from franbv.frames import look_at
+from franbv.frames import look_at, rolled
 from franbv.geometry.oriented_box import OrientedBox
 from franbv.parameters import Parameters
 from franbv.voxel_map import VoxelMap
@@ -58,7 +58,7 @@ def diamond_poses(
 
     def attempt(first_angle_deg: float) -> tuple[list[RigidTransform], Counter[str]]:
         eyes = diamond_positions(target, normal, parameters, first_angle_deg)
-        return _usable(eyes, target, nearest, parameters.table_height, reachable)
+        return _usable(eyes, target, nearest, parameters, reachable)
 
     poses, fates = attempt(parameters.diamond_angle_deg)
     turned_poses, turned_fates = [], Counter()
@@ -112,15 +112,15 @@ def tangents(normal: Float[np.ndarray, "3"]) -> tuple[Float[np.ndarray, "3"], Fl
     return t1, np.cross(normal, t1)
 
 
-def _usable(eyes, target, nearest, table_height, reachable):
+def _usable(eyes, target, nearest, parameters, reachable):
     """Poses that can be taken from these positions, and a count of what became of the others."""
     poses, fates = [], Counter()
     for position in eyes:
         distance = np.linalg.norm(position - target)
         too_near = distance < nearest
         eye = target + (position - target) * (nearest / distance) if too_near else position
-        pose = look_at(eye, target)
-        if eye[2] <= table_height:
+        pose = rolled(look_at(eye, target), parameters.roll_deg)
+        if eye[2] <= parameters.table_height:
             fates["under table"] += 1
         elif not reachable(pose):
             fates["too near" if too_near else "unreachable"] += 1

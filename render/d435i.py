@@ -1,36 +1,45 @@
-"""A simulated RealSense D435i: radiance, imagers, stereo matcher, z16, decimation, crop. Implements `DepthCamera`."""
+"""A simulated RealSense D435i or D415: radiance, imagers, stereo matcher, z16, decimation, crop.
+
+Implements `DepthCamera`.
+"""
 
 import copy
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 from jaxtyping import Float32, UInt8, UInt16
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
 from franbv.sensing import DepthBurst
-from render.depth.coding import DepthFormat, metres_from_z16, z16_from_disparity
+from render.depth.coding import MOST_UNITS, DepthFormat, metres_from_z16, z16_from_disparity
 from render.depth.decimation import block_centre_intrinsics, crop_centre, decimate
 from render.imager.expose import expose_burst
 from render.imager.exposure import auto_exposure
 from render.imager.settings import REFERENCE_LASER_POWER_MW, ImagerSettings
 from render.light.first_surface import StereoView
-from render.light.pattern import HALF_FIELD, d435_pattern
+from render.light.pattern import PROJECTORS, dot_pattern
 from render.light.projector import ProjectorLight
 from render.light.radiance import RadianceLayers, render_stereo, stop_at_first_surface
 from render.light.sampling import Sampling
+from render.matcher import d400_preset as keys
 from render.matcher.by_name import matcher_by_name
+from render.matcher.d400_preset import D400Preset, is_file_name, load_preset
 from render.matcher.interface import StereoMatcher, Window
 from render.world.mitsuba_scene import load_scene
-from render.world.rig import Rig, d435i_rig
+from render.world.rig import Rig, camera_rig
 from render.world.truth import Truth, measure_truth
 from scenes.scene import Scene
 
-FIELD_AREA = 4 * HALF_FIELD[0] * HALF_FIELD[1]
-"""Area of the projector's field in the plane at 1 m [m^2]."""
+SET_POINT_PER_DN = 16
+"""Of a preset's auto-exposure set-point, read as 12 bits (see `ImagerSettings.set_point`)."""
+IMAGER_KEYS = {keys.LASER_POWER: "laser_power_mw", keys.EXPOSURE: "exposure_us", keys.GAIN: "gain"}
+"""Keys of a preset's file with the imager's settings that they are about, in the same units."""
+AnySettings = TypeVar("AnySettings", bound=BaseModel)
 
 
 class SensorSettings(BaseModel):
@@ -38,8 +47,20 @@ class SensorSettings(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
+    model: Literal["d435i", "d415"] = "d435i"
+    """Camera of the D400 family. The D415's rolling shutter is left out: nothing moves during a burst."""
     profile: str = "640x360"
-    """Stream profile; 640x360 alone gives 60 x 40 and still measures at a recovery pose's 141 mm (Min-Z 127 mm)."""
+    """Stream profile. Of the D435i's, 640x360 gives 60 x 40 and still measures at a recovery pose's 141 mm (Min-Z
+    127 mm); 640x480, a crop of the chip with a longer focal length, begins at 153 mm."""
+    roll_deg: float = Field(default=0.0, ge=-180.0, le=180.0)
+    """Turn of the camera in its mount about its optical axis, clockwise as the camera looks [deg]; 0 = baseline
+    horizontal, 90 = on end with the right imager below (choice: 0, as on a tripod). The camera measures from whatever
+    pose it is given: whoever makes poses turns them, the planner by `Parameters.roll_deg`, which the commands set from
+    here."""
+    preset: str = "default"
+    """Preset of the RealSense viewer: default, high_accuracy, high_density, medium_density, hand, or a JSON file (a
+    relative path counts from where the command runs), or its text. It sets the matcher; a file also sets depth
+    units and clamps, laser, exposure and gain where they have their defaults here."""
     decimation: int = Field(default=8, ge=1, le=8)
     """Factor of librealsense's decimation filter, 1 = off (paper: maximum)."""
     crop: tuple[int, int] | None = (60, 40)
@@ -52,6 +73,61 @@ class SensorSettings(BaseModel):
     """Choose exposure and gain per pose, as the D400 does by default; otherwise those of `imager` hold."""
     depth: DepthFormat = DepthFormat()
     """Coding of z16."""
+
+    @field_validator("preset")
+    @classmethod
+    def _known(cls, preset: str) -> str:
+        """Names in one spelling; files are read by `resolved`."""
+        return preset if is_file_name(preset) or preset.lstrip().startswith("{") else load_preset(preset).name
+
+    @property
+    def rig(self) -> Rig:
+        """Imagers and projector, and the matcher's range."""
+        return camera_rig(self.model, self.profile, load_preset(self.preset).shift)
+
+    @property
+    def stereo_matcher(self) -> StereoMatcher:
+        """What makes disparities of the infrared pairs."""
+        return matcher_by_name(self.matcher, load_preset(self.preset))
+
+    def resolved(self) -> "SensorSettings":
+        """The settings with the preset's content in place of its file.
+
+        What concerns the matcher stays in `preset`, as text; the rest goes to the settings that it is about, unless
+        they were changed from their defaults: whoever changes one after loading a preset means it.
+        """
+        preset, defaults = load_preset(self.preset), SensorSettings()
+        imager, depth, others = preset_settings(preset, self.model)
+        update: dict[str, Any] = {
+            "preset": preset.matcher_text,
+            "imager": _over_defaults(self.imager, defaults.imager, imager),
+            "depth": _over_defaults(self.depth, defaults.depth, depth),
+        }
+        return _over_defaults(self.model_copy(update=update), defaults, others)
+
+
+def preset_settings(preset: D400Preset, model: str) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """What a preset's file says of imager, depth coding and the rest of the sensor, by the settings' names.
+
+    The set-point's unit is known of the D435i alone: a D415's is left out.
+    """
+    v = preset.values
+    imager = {name: v[key] for key, name in IMAGER_KEYS.items() if key in v}
+    if keys.SET_POINT in v and model == "d435i":
+        imager["set_point"] = v[keys.SET_POINT] / SET_POINT_PER_DN
+    if v.get(keys.LASER_ON, 1) == 0:
+        imager["laser_power_mw"] = 0.0
+    clamps = {"clamp_min": keys.CLAMP_MIN, "clamp_max": keys.CLAMP_MAX}
+    depth: dict[str, Any] = {name: min(int(v[key]), MOST_UNITS) for name, key in clamps.items() if key in v}
+    if keys.UNITS in v:
+        depth["unit"] = preset.depth_unit
+    return imager, depth, {"auto_exposure": bool(v[keys.AUTO_EXPOSURE])} if keys.AUTO_EXPOSURE in v else {}
+
+
+def _over_defaults(settings: AnySettings, defaults: AnySettings, said: Mapping[str, Any]) -> AnySettings:
+    """The settings with what was said about those that have their defaults."""
+    untouched = {name: value for name, value in said.items() if getattr(settings, name) == getattr(defaults, name)}
+    return settings.model_copy(update=untouched)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,14 +168,15 @@ class SimulatedD435i:
         matcher: StereoMatcher | None = None,
     ) -> None:
         """Load the scene. sampling: see `Sampling`; matcher: any `StereoMatcher` instead of the one that is named."""
-        self.settings = settings or SensorSettings()
-        self.rig: Rig = d435i_rig(self.settings.profile)
+        self.settings = (settings or SensorSettings()).resolved()
+        self._matcher = matcher or self.settings.stereo_matcher
+        self.rig: Rig = camera_rig(self.settings.model, self.settings.profile, self._matcher.shift)
         self.world = load_scene(scene)
         self._seed = seed
         self._sampling = sampling or Sampling()
-        self._matcher = matcher or matcher_by_name(self.settings.matcher)
         self._view: dict[bytes, StereoView] = {}
-        self._light = ProjectorLight.at(RigidTransform.identity(), d435_pattern(), 0.0)
+        self._dots = PROJECTORS[self.settings.model]
+        self._light = ProjectorLight.at(RigidTransform.identity(), dot_pattern(self._dots), 0.0)
 
     @property
     def intrinsics(self) -> Intrinsics:
@@ -122,7 +199,7 @@ class SimulatedD435i:
 
     def projector_light(self, T_world_cam: RigidTransform) -> ProjectorLight:
         """The projector of a camera at this pose, at the reference laser power."""
-        mean = REFERENCE_LASER_POWER_MW * 1e-3 / (np.pi * FIELD_AREA)
+        mean = REFERENCE_LASER_POWER_MW * 1e-3 / (np.pi * self._dots.field_area)
         return self._light.moved(self.rig.projector(T_world_cam), mean)
 
     def view(self, T_world_cam: RigidTransform) -> StereoView:
@@ -159,11 +236,11 @@ class SimulatedD435i:
         """Measure from rendered layers; laser power, lamps, exposure and noise change without a new rendering."""
         imager = self.settings.imager
         if self.settings.auto_exposure:
-            exposure_us, gain = auto_exposure(left.projector, left.ambient, imager)
+            exposure_us, gain = auto_exposure(left.projector, left.ambient, imager, chip=self.rig.chip)
             imager = imager.model_copy(update={"exposure_us": exposure_us, "gain": gain})
         seeds = self._pose_seed(T_world_cam).spawn(2)
         lefts, rights = (
-            expose_burst(layers.projector, layers.ambient, imager, n_frames, seed)
+            expose_burst(layers.projector, layers.ambient, imager, n_frames, seed, self.rig.chip)
             for layers, seed in zip((left, right), seeds, strict=True)
         )
         disparities = self._matcher.match_burst(lefts, rights, self.window)

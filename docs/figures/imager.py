@@ -3,9 +3,10 @@
 import numpy as np
 
 from docs.figures.drawing import panels, write
+from render.imager.chip import OV9282
 from render.imager.expose import expose_burst
 from render.imager.exposure import electrons_per_radiance
-from render.imager.settings import ImagerSettings, pixel_pitch
+from render.imager.settings import ImagerSettings
 from render.imager.speckle import aperture_degrees, bandwidth_degrees, degrees_of_freedom, speckle_contrast
 from render.world.rig import FOCAL_LENGTHS_PX
 
@@ -48,11 +49,11 @@ def main() -> None:
     noise_axes.legend()
 
     print("speckle contrast by stream: formula, drawn; grains a pixel, patterns by bandwidth")
-    widths = [width for width, _ in FOCAL_LENGTHS_PX]
+    widths = list(dict.fromkeys(width for width, _ in FOCAL_LENGTHS_PX))
     for width in widths:
         wall = lit(120, width)
         mean = expose_burst(wall, np.zeros_like(wall), FLAT, FRAMES, 3).mean(axis=0) - FLAT.pedestal
-        pitch = pixel_pitch(width)
+        pitch = OV9282.pitch(width)
         print(
             f"{width:5d} {speckle_contrast(width, FLAT):.3f} {mean.std() / mean.mean():.3f}; "
             f"{aperture_degrees(pitch, FLAT.f_number):.1f}, "

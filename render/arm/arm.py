@@ -9,17 +9,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
-from franbv.frames import look_at
+from franbv.frames import look_at, rolled
 from materials.input_error import InputError
-from render.arm.camera_body import (
-    BALL_CENTRE,
-    BALL_RADIUS,
-    WRIST_AXIS,
-    WRIST_RADIUS,
-    box_corners,
-    box_distance,
-    wrist_distance,
-)
+from render.arm.camera_body import CAMERA_BODIES, WRIST_RADIUS, CameraBody
 from render.arm.solid import Solid
 from scenes.scene import Mesh
 
@@ -54,29 +46,36 @@ class ArmLimits:
 
 @dataclass
 class SimulatedArm:
-    """The `franbv.sensing.Arm` of the simulator. Poses are those of the left infrared imager."""
+    """The `franbv.sensing.Arm` of the simulator. Poses are those of the left infrared imager; they carry the camera's
+    roll, and the outline of what moves with it turns with them."""
 
     part: Solid
     """What stands on the table."""
     limits: ArmLimits = field(default_factory=ArmLimits)
     T_world_cam: RigidTransform = field(default_factory=lambda: look_at(np.array([-0.2, 0.0, 0.6]), np.zeros(3)))
     """Where the camera is now; at first above the table, looking down on the origin (choice)."""
+    body: CameraBody = CAMERA_BODIES["d435i"]
+    """What it carries."""
 
     @classmethod
-    def around(cls, part: Mesh, limits: ArmLimits | None = None) -> "SimulatedArm":
-        """An arm beside this part (world frame)."""
-        return cls(Solid.from_mesh(part), limits or ArmLimits())
+    def around(
+        cls, part: Mesh, limits: ArmLimits | None = None, model: str = "d435i", roll_deg: float = 0.0
+    ) -> "SimulatedArm":
+        """An arm beside this part (world frame) that carries a camera of this model, turned so in its mount."""
+        arm = cls(Solid.from_mesh(part), limits or ArmLimits(), body=CAMERA_BODIES[model])
+        arm.T_world_cam = rolled(arm.T_world_cam, roll_deg)
+        return arm
 
     def obstacle(self, T_world_cam: RigidTransform) -> str | None:
         """Why the camera cannot stand at this pose, None if it can.
 
         `outside workspace`, `under table`, `out of reach`, `inside part` or `touches part`, the first that applies.
         """
-        wrist = T_world_cam.apply(WRIST_AXIS)
+        wrist = T_world_cam.apply(self.body.wrist_axis)
         lower, upper = self.limits.workspace
         if np.any(T_world_cam.translation < lower) or np.any(T_world_cam.translation > upper):
             return "outside workspace" if T_world_cam.translation[2] >= self.limits.table_height else "under table"
-        lowest = min(T_world_cam.apply(box_corners())[:, 2].min(), wrist[:, 2].min() - WRIST_RADIUS)
+        lowest = min(T_world_cam.apply(self.body.corners)[:, 2].min(), wrist[:, 2].min() - WRIST_RADIUS)
         if lowest < self.limits.table_height + CLEARANCE:
             return "under table"
         shoulder = np.add(self.limits.base, (0.0, 0.0, SHOULDER_HEIGHT))
@@ -86,9 +85,9 @@ class SimulatedArm:
 
     def _part_contact(self, T_world_cam: RigidTransform) -> str | None:
         """`touches part` if the surface comes close to anything that moves, `inside part` if it encloses it."""
-        ball = T_world_cam.apply(BALL_CENTRE)
-        near = T_world_cam.inv().apply(self.part.samples_within(ball, BALL_RADIUS + CLEARANCE))
-        if np.any(np.minimum(box_distance(near), wrist_distance(near)) < CLEARANCE):
+        ball = T_world_cam.apply(self.body.ball_centre)
+        near = T_world_cam.inv().apply(self.part.samples_within(ball, self.body.ball_radius + CLEARANCE))
+        if np.any(np.minimum(self.body.box_distance(near), self.body.wrist_distance(near)) < CLEARANCE):
             return "touches part"
         return "inside part" if self.part.winding_number(T_world_cam.translation) > 0.5 else None
 
@@ -102,14 +101,16 @@ class SimulatedArm:
         if obstacle is not None:
             where = ", ".join(f"{x:.3f}" for x in T_world_cam.translation)
             raise InputError(f"camera pose at ({where}) m: {obstacle}; choose a free pose above the table")
-        seconds = motion_time(self.T_world_cam, T_world_cam, self.limits)
+        seconds = motion_time(self.T_world_cam, T_world_cam, self.limits, self.body)
         self.T_world_cam = T_world_cam
         return seconds
 
 
-def motion_time(start: RigidTransform, end: RigidTransform, limits: ArmLimits) -> float:
+def motion_time(
+    start: RigidTransform, end: RigidTransform, limits: ArmLimits, body: CameraBody = CAMERA_BODIES["d435i"]
+) -> float:
     """Time of a straight move of the wrist with a turn on the way [s], from rest to rest: the longer of the two."""
-    way = float(np.linalg.norm(end.apply(WRIST_AXIS[1]) - start.apply(WRIST_AXIS[1])))
+    way = float(np.linalg.norm(end.apply(body.wrist_axis[1]) - start.apply(body.wrist_axis[1])))
     angle = float((start.rotation.inv() * end.rotation).magnitude())
     return max(
         trapezoidal_time(way, limits.speed, limits.acceleration),

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float32, UInt8, UInt16
 from scipy.special import ndtri
 
+from render.imager.chip import OV9282, Chip
 from render.imager.exposure import grey_noise, mean_electrons, mean_grey
 from render.imager.lens import MIX_FAR, MIX_NEAR
 from render.imager.settings import ImagerSettings
@@ -27,9 +28,10 @@ def expose(
     ambient: Float32[np.ndarray, "h w"],
     settings: ImagerSettings,
     rng: np.random.Generator,
+    chip: Chip = OV9282,
 ) -> UInt8[np.ndarray, "h w"]:
     """One infrared image [DN]; see `expose_burst` for the layers."""
-    mean, noise = _expectation(projector, ambient, settings, rng)
+    mean, noise = _expectation(projector, ambient, settings, rng, chip)
     return _read_frames(mean, noise, 1, rng)[0]
 
 
@@ -39,6 +41,7 @@ def expose_burst(
     settings: ImagerSettings,
     n: int,
     seed: int | np.random.SeedSequence,
+    chip: Chip = OV9282,
 ) -> UInt8[np.ndarray, "n h w"]:
     """`n` infrared images of a still scene from a still camera [DN].
 
@@ -47,7 +50,7 @@ def expose_burst(
     seed: of this pose *and imager*. Its speckle is the same in all frames; the noise is drawn anew for each. The first
     frames of a longer burst are those of a shorter one, and nothing depends on threads or workers.
     """
-    mean, noise = _expectation(projector, ambient, settings, _generator(seed, _SPECKLE_STREAM))
+    mean, noise = _expectation(projector, ambient, settings, _generator(seed, _SPECKLE_STREAM), chip)
     return _read_frames(mean, noise, n, _generator(seed, _NOISE_STREAM))
 
 
@@ -56,12 +59,13 @@ def _expectation(
     ambient: Float32[np.ndarray, "h w"],
     settings: ImagerSettings,
     rng: np.random.Generator,
+    chip: Chip,
 ) -> tuple[Float32[np.ndarray, "h w"], Float32[np.ndarray, "h w"]]:
     """Mean and, before rectification, standard deviation of the grey values with one draw of the speckle [DN]."""
-    from_projector, from_ambient = mean_electrons(projector, ambient, settings)
+    from_projector, from_ambient = mean_electrons(projector, ambient, settings, chip)
     height, width = projector.shape
-    electrons = from_projector * speckle(height, width, settings, rng) + from_ambient
-    return mean_grey(electrons, settings), grey_noise(electrons, settings)
+    electrons = from_projector * speckle(height, width, settings, rng, chip) + from_ambient
+    return mean_grey(electrons, settings), grey_noise(electrons, settings, chip)
 
 
 def _generator(seed: int | np.random.SeedSequence, stream: int) -> np.random.Generator:

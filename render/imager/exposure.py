@@ -8,16 +8,15 @@ import numpy as np
 from jaxtyping import Bool, Float32
 from scipy.optimize import brentq
 
+from render.imager.chip import OV9282, Chip
 from render.imager.lens import through_lens
 from render.imager.settings import (
     LEAST_GAIN,
     MOST_GAIN,
-    PIXEL_PITCH,
     REFERENCE_LASER_POWER_MW,
     WAVELENGTH,
     WHITE_LEVEL,
     ImagerSettings,
-    native_pixels,
 )
 
 PHOTON_ENERGY = 6.62607015e-34 * 299_792_458.0 / WAVELENGTH
@@ -30,29 +29,32 @@ its size is a choice, see `ImagerSettings.set_point`)."""
 _STRIDE = 2
 
 
-def electrons_per_radiance(exposure_us: float, settings: ImagerSettings) -> float:
+def electrons_per_radiance(exposure_us: float, settings: ImagerSettings, chip: Chip = OV9282) -> float:
     """Electrons on one native pixel on the optical axis, per radiance [e- / (W m^-2 sr^-1)].
 
     Irradiance E = pi L T / (4 N^2), times pixel area, time and quantum efficiency, over the photon energy.
     """
     irradiance = np.pi * settings.transmission / (4 * settings.f_number**2)
-    joules = irradiance * PIXEL_PITCH**2 * exposure_us * 1e-6
+    joules = irradiance * chip.pixel_pitch**2 * exposure_us * 1e-6
     return joules * settings.quantum_efficiency / PHOTON_ENERGY
 
 
 def mean_electrons(
-    projector: Float32[np.ndarray, "h w"], ambient: Float32[np.ndarray, "h w"], settings: ImagerSettings
+    projector: Float32[np.ndarray, "h w"],
+    ambient: Float32[np.ndarray, "h w"],
+    settings: ImagerSettings,
+    chip: Chip = OV9282,
 ) -> tuple[Float32[np.ndarray, "h w"], Float32[np.ndarray, "h w"]]:
     """Expected electrons of each native pixel from the projector and from all other light, before saturation.
 
     projector, ambient: radiance towards one imager [W m^-2 sr^-1], full stream image; the projector's at 150 mW.
     """
     laser = settings.laser_power_mw / REFERENCE_LASER_POWER_MW
-    from_projector = laser * electrons_per_radiance(settings.laser_on_us, settings)
-    from_ambient = electrons_per_radiance(settings.exposure_us, settings)
+    from_projector = laser * electrons_per_radiance(settings.laser_on_us, settings, chip)
+    from_ambient = electrons_per_radiance(settings.exposure_us, settings, chip)
     return (
-        np.float32(from_projector) * through_lens(projector, settings),
-        np.float32(from_ambient) * through_lens(ambient, settings),
+        np.float32(from_projector) * through_lens(projector, settings, chip),
+        np.float32(from_ambient) * through_lens(ambient, settings, chip),
     )
 
 
@@ -61,12 +63,14 @@ def mean_grey(electrons: Float32[np.ndarray, "h w"], settings: ImagerSettings) -
     return np.float32(settings.pedestal) + np.float32(settings.dn_per_electron) * electrons
 
 
-def grey_noise(electrons: Float32[np.ndarray, "h w"], settings: ImagerSettings) -> Float32[np.ndarray, "h w"]:
+def grey_noise(
+    electrons: Float32[np.ndarray, "h w"], settings: ImagerSettings, chip: Chip = OV9282
+) -> Float32[np.ndarray, "h w"]:
     """Standard deviation of a stream pixel before rectification [DN]: shot and read noise, averaged over native pixels.
 
     Saturated pixels are clipped afterwards, so that their noise vanishes there.
     """
-    variance = (electrons + np.float32(settings.read_noise**2)) / np.float32(native_pixels(electrons.shape[1]))
+    variance = (electrons + np.float32(settings.read_noise**2)) / np.float32(chip.native_pixels(electrons.shape[1]))
     return np.float32(settings.dn_per_electron) * np.sqrt(variance)
 
 
@@ -75,6 +79,7 @@ def auto_exposure(
     ambient: Float32[np.ndarray, "h w"],
     settings: ImagerSettings,
     pixels: Bool[np.ndarray, "h w"] | None = None,
+    chip: Chip = OV9282,
 ) -> tuple[float, float]:
     """Exposure time [us] and gain, both whole numbers, at which the mean grey value of `pixels` meets the set-point.
 
@@ -83,7 +88,9 @@ def auto_exposure(
     """
     sample = _middle(*projector.shape) if pixels is None else pixels
     unit = settings.model_copy(update={"exposure_us": 1.0, "laser_pulse_us": None})
-    laser_rate, ambient_rate = (np.atleast_2d(layer[sample]) for layer in mean_electrons(projector, ambient, unit))
+    laser_rate, ambient_rate = (
+        np.atleast_2d(layer[sample]) for layer in mean_electrons(projector, ambient, unit, chip)
+    )
 
     def excess(exposure_us: float, gain: float) -> float:
         exposed = settings.model_copy(update={"exposure_us": exposure_us, "gain": gain})

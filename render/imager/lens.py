@@ -7,7 +7,8 @@ import numpy as np
 from jaxtyping import Float32, Float64
 from scipy.special import ive
 
-from render.imager.settings import FOCAL_LENGTH, ImagerSettings, pixel_pitch
+from render.imager.chip import OV9282, Chip
+from render.imager.settings import ImagerSettings
 
 MIX_NEAR = (1 + 1 / np.sqrt(3)) / 2
 """Weight of the nearer of two neighbours in the mean rectification; see `MIX_FAR`."""
@@ -22,19 +23,19 @@ RECTIFICATION_VARIANCE = 1 / 6
 _KERNEL_REACH = 4.0
 
 
-def blur_sigma_px(width: int, settings: ImagerSettings) -> float:
+def blur_sigma_px(width: int, settings: ImagerSettings, chip: Chip = OV9282) -> float:
     """Standard deviation of the point spread of lens and rectification, in pixels of a stream of this width.
 
     0.55 px at 640 x 360 (1.3 px full width at half maximum); the pixel's own aperture is the renderer's box filter.
     """
-    lens = settings.lens_sigma_um * 1e-6 / pixel_pitch(width)
+    lens = settings.lens_sigma_um * 1e-6 / chip.pitch(width)
     return float(np.sqrt(lens**2 + RECTIFICATION_VARIANCE))
 
 
 @lru_cache(maxsize=8)
-def vignetting(height: int, width: int, exponent: float) -> Float32[np.ndarray, "h w"]:
+def vignetting(height: int, width: int, exponent: float, chip: Chip = OV9282) -> Float32[np.ndarray, "h w"]:
     """Irradiance relative to the optical axis, cos(field angle)^exponent; the axis meets the image centre."""
-    scale = pixel_pitch(width) / FOCAL_LENGTH
+    scale = chip.pitch(width) / chip.focal_length
     x = (np.arange(width) - (width - 1) / 2) * scale
     y = (np.arange(height) - (height - 1) / 2) * scale
     tan_squared = x[None, :] ** 2 + y[:, None] ** 2
@@ -43,15 +44,17 @@ def vignetting(height: int, width: int, exponent: float) -> Float32[np.ndarray, 
     return share
 
 
-def through_lens(radiance: Float32[np.ndarray, "h w"], settings: ImagerSettings) -> Float32[np.ndarray, "h w"]:
+def through_lens(
+    radiance: Float32[np.ndarray, "h w"], settings: ImagerSettings, chip: Chip = OV9282
+) -> Float32[np.ndarray, "h w"]:
     """Radiance of the full stream image, blurred and vignetted, same unit. Applied before saturation.
 
     The rectification blurs after saturation in a camera: only the rim of saturated areas notices.
     """
     height, width = radiance.shape
-    kernel = _gaussian_kernel(blur_sigma_px(width, settings))
+    kernel = _gaussian_kernel(blur_sigma_px(width, settings, chip))
     blurred = cv2.sepFilter2D(radiance, cv2.CV_32F, kernel, kernel, borderType=cv2.BORDER_REPLICATE)
-    return blurred * vignetting(height, width, settings.vignetting_exponent)
+    return blurred * vignetting(height, width, settings.vignetting_exponent, chip)
 
 
 def _gaussian_kernel(sigma: float) -> Float64[np.ndarray, "k"]:

@@ -9,12 +9,6 @@ from pydantic import BaseModel, ConfigDict, Field
 
 WAVELENGTH = 850e-9
 """Of the projector [m] (D400 datasheet: 850 +- 10 nm)."""
-PIXEL_PITCH = 3.0e-6
-"""Of the full-resolution sensor [m] (OmniVision OV9282)."""
-NATIVE_WIDTH = 1280
-"""Columns of the full-resolution sensor (OmniVision OV9282). Narrower streams average native pixels."""
-FOCAL_LENGTH = 642.0 * PIXEL_PITCH
-"""Of the lens [m]: 642 px at full resolution; the D400 datasheet states 1.93 mm."""
 LEAST_GAIN = 16.0
 """The gain setting that means 1x (librealsense: 16 is the lowest, and recommended, gain)."""
 MOST_GAIN = 248.0
@@ -52,7 +46,8 @@ class ImagerSettings(BaseModel):
     full_well: float = Field(default=6000.0, gt=0.0)
     """Electrons that one native pixel holds (choice: usual for a 3 um global-shutter pixel). It sets the noise: at
     848x480 the quietest patches of a real D435 frame have second-difference noise of 0.5 DN at 42 DN and 0.7 DN at
-    105 DN, these settings give 0.4 and 0.6."""
+    105 DN, these settings give 0.4 and 0.6. The D415's smaller pixels get the same (choice: it is then 4.6 times less
+    sensitive, the ratio of the pixels' areas; Intel's paper on moving cameras says about 5 times)."""
     read_noise: float = Field(default=2.5, ge=0.0)
     """Root mean square of one native pixel in the dark [e-] (choice: usual for such pixels; 0.1 DN at gain 16)."""
     pedestal: float = Field(default=17.0, ge=0.0, lt=WHITE_LEVEL)
@@ -83,13 +78,3 @@ class ImagerSettings(BaseModel):
     def laser_on_us(self) -> float:
         """Time within one exposure that the projector is on [us]."""
         return self.exposure_us if self.laser_pulse_us is None else min(self.exposure_us, self.laser_pulse_us)
-
-
-def native_pixels(width: int) -> float:
-    """Native pixels that one pixel of a stream of this width averages (1 at 1280, 4 at 640)."""
-    return (NATIVE_WIDTH / width) ** 2
-
-
-def pixel_pitch(width: int) -> float:
-    """Width on the sensor of one pixel of a stream of this width [m]."""
-    return PIXEL_PITCH * NATIVE_WIDTH / width

@@ -10,8 +10,9 @@ import numpy as np
 from jaxtyping import Float32
 from scipy.special import j1
 
+from render.imager.chip import OV9282, Chip
 from render.imager.lens import MIXED_VARIANCE, mix_neighbours
-from render.imager.settings import WAVELENGTH, ImagerSettings, pixel_pitch
+from render.imager.settings import WAVELENGTH, ImagerSettings
 
 POLARISATIONS = 2
 """The VCSELs' polarisations are mixed and a rough surface mixes them further: two independent patterns."""
@@ -43,29 +44,31 @@ def bandwidth_degrees(linewidth: float, height: float) -> float:
     return float(np.sqrt(1 + 16 * s**2 * height**2))
 
 
-def degrees_of_freedom(width: int, settings: ImagerSettings) -> float:
+def degrees_of_freedom(width: int, settings: ImagerSettings, chip: Chip = OV9282) -> float:
     """Independent exponential patterns whose mean is the light on one pixel of a stream of this width."""
     return (
-        aperture_degrees(pixel_pitch(width), settings.f_number)
+        aperture_degrees(chip.pitch(width), settings.f_number)
         * bandwidth_degrees(settings.laser_linewidth_nm * 1e-9, settings.surface_height_um * 1e-6)
         * POLARISATIONS
         * settings.laser_modes
     )
 
 
-def speckle_contrast(width: int, settings: ImagerSettings) -> float:
+def speckle_contrast(width: int, settings: ImagerSettings, chip: Chip = OV9282) -> float:
     """Standard deviation over mean of the projected light in a rectified image of this width [-].
 
     0.041 at 640 x 360, 0.072 at 1280 x 720 with the default settings.
     """
-    return float(np.sqrt(MIXED_VARIANCE / degrees_of_freedom(width, settings)))
+    return float(np.sqrt(MIXED_VARIANCE / degrees_of_freedom(width, settings, chip)))
 
 
-def speckle(height: int, width: int, settings: ImagerSettings, rng: np.random.Generator) -> Float32[np.ndarray, "h w"]:
+def speckle(
+    height: int, width: int, settings: ImagerSettings, rng: np.random.Generator, chip: Chip = OV9282
+) -> Float32[np.ndarray, "h w"]:
     """Factor of mean 1 on the projected light of every pixel, still for a still camera.
 
     Gamma distributed before rectification. Grains are smaller than the pixels, so pixels are drawn independently.
     """
-    degrees = degrees_of_freedom(width, settings)
+    degrees = degrees_of_freedom(width, settings, chip)
     drawn = rng.standard_gamma(degrees, (height + 1, width + 1), dtype=np.float32) / np.float32(degrees)
     return mix_neighbours(drawn)

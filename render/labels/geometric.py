@@ -12,9 +12,8 @@ import numpy as np
 from jaxtyping import Bool, Float32, UInt8
 
 from render.d435i import SimulatedD435i
-from render.depth.coding import z_range
 from render.labels.causes import Cause
-from render.light.pattern import HALF_FIELD
+from render.light.pattern import PROJECTORS
 from render.world.rig import Rig
 from render.world.truth import Truth
 
@@ -45,9 +44,8 @@ class Geometry:
 def geometry(camera: SimulatedD435i, truth: Truth) -> Geometry:
     """From the exact maps of the pose."""
     coding = camera.settings.depth
-    nearest, farthest = z_range(camera.rig.focal_baseline)
-    nearest = max(nearest, coding.clamp_min * coding.unit)
-    farthest = min(farthest, coding.clamp_max * coding.unit)
+    nearest = max(camera.rig.min_z, coding.clamp_min * coding.unit)
+    farthest = min(camera.rig.max_z, coding.clamp_max * coding.unit)
     present = truth.depth > 0
     disparity = np.where(present, camera.rig.focal_baseline / np.maximum(truth.depth, 1e-6), 0).astype(np.float32)
     out_of_range = ~present | (truth.depth < nearest) | (truth.depth > farthest)
@@ -71,7 +69,8 @@ def in_projector_field(rig: Rig, depth: Float32[np.ndarray, "h w"]) -> Bool[np.n
     """Pixels whose point at this Z-depth [m] lies in the field that the projector's pattern fills."""
     rays = rig.intrinsics.pixel_directions()
     x = rays[..., 0] - rig.projector_offset / np.maximum(depth, 1e-6)
-    return (np.abs(x) <= HALF_FIELD[0]) & (np.abs(rays[..., 1]) <= HALF_FIELD[1])
+    half_x, half_y = PROJECTORS[rig.model].half_field
+    return (np.abs(x) <= half_x) & (np.abs(rays[..., 1]) <= half_y)
 
 
 def depth_edges(disparity: Float32[np.ndarray, "h w"]) -> Bool[np.ndarray, "h w"]:

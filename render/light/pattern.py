@@ -23,26 +23,74 @@ MINIMUM_SPACING = 10.7 / FOCAL_REFERENCE_PX
 DOT_FWHM = np.sqrt(5.0**2 - 2.6**2) / FOCAL_REFERENCE_PX
 """Full width of a dot at half its height: 5 px in real images, less the 2.6 px by which lens, pixel and rectification
 spread a point (`render.imager.lens`)."""
+D415_DOTS = 10_000
+"""Dots of the D415 (choice: it has two emitters, and Intel's white paper on projectors says of the D435 that it has
+fewer spots, about 5000; taken as twice as many in all)."""
+D415_HALF_FIELD = (float(np.tan(np.radians(33.5))), float(np.tan(np.radians(20.5))))
+"""67 x 41 deg (D415, D400 datasheet)."""
 BACKGROUND_SHARE = 0.2
 """Share of the light outside the dots: zero order and scatter of the diffractive element (choice; real dots stand on a
 visible veil, and the measured peak over background of 3.8 holds between it and a lit workshop)."""
 BRIGHTNESS_SPREAD = 0.15
 """Standard deviation of the dots' relative power (choice; real dots differ visibly)."""
-PATTERN_SEED = 435
-"""The pattern is a property of the projector, not of the run."""
 TEXEL = 1.9e-3
-"""Texel of the sharp pattern: four to a dot's width."""
+"""Texel of the D435's sharp pattern: about four to a dot's width."""
 BLUR_LEVELS = 8
 """Blurred copies; copy l is blurred by sigma_0 2^(l - 1), copy 0 is sharp."""
 FIELD_MARGIN = 0.5
 """Margin around the field in the blurred copies, as a share of the half field, so that blurred edges fade out."""
-_SIGMA = float(DOT_FWHM / (2.0 * np.sqrt(2.0 * np.log(2.0))))
+FWHM_PER_SIGMA = 2.0 * np.sqrt(2.0 * np.log(2.0))
+"""Of a Gaussian."""
+
+
+@dataclass(frozen=True)
+class ProjectorDots:
+    """What a projector's dots are like, in the plane at unit distance."""
+
+    half_field: tuple[float, float]
+    """Tangents of the half field angles."""
+    density: float
+    """Dots per unit area."""
+    minimum_spacing: float
+    """Least distance of two dots."""
+    fwhm: float
+    """Full width of a dot at half its height."""
+    texel: float
+    """Of the sharp pattern: about four to a dot's width."""
+    seed: int
+    """The pattern is a property of the projector, not of the run."""
+
+    @property
+    def field_area(self) -> float:
+        """Of the field."""
+        return 4 * self.half_field[0] * self.half_field[1]
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation of one sharp dot."""
+        return float(self.fwhm / FWHM_PER_SIGMA)
+
+
+def _like_d435(half_field: tuple[float, float], dots: int, seed: int) -> ProjectorDots:
+    """As many dots over another field; spacing and width in the D435's proportion to the mean distance (choice)."""
+    density = dots / (4 * half_field[0] * half_field[1])
+    scale = float(np.sqrt(DOT_DENSITY / density))
+    return ProjectorDots(half_field, density, MINIMUM_SPACING * scale, DOT_FWHM * scale, TEXEL * scale, seed)
+
+
+PROJECTORS = {
+    "d435i": ProjectorDots(HALF_FIELD, DOT_DENSITY, MINIMUM_SPACING, DOT_FWHM, TEXEL, seed=435),
+    "d415": _like_d435(D415_HALF_FIELD, D415_DOTS, seed=415),
+}
+"""By camera model. The D415's two emitters count as one."""
 
 
 @dataclass(frozen=True, eq=False)
 class DotPattern:
     """Relative brightness, mean 1 over the field, in coordinates (x / z, y / z) of the projector."""
 
+    half_field: tuple[float, float]
+    """Tangents of the half field angles."""
     sharp: Float32[np.ndarray, "h w"]
     """Over the field itself, row 0 at the top (negative y); the light ends at its edge."""
     blurred: Float32[np.ndarray, "levels h_wide w_wide"]
@@ -51,17 +99,17 @@ class DotPattern:
     """Standard deviation of one sharp dot; the unit in which blur levels count."""
 
 
-def dot_positions(rng: np.random.Generator) -> Float[np.ndarray, "n 2"]:
+def dot_positions(rng: np.random.Generator, dots: ProjectorDots = PROJECTORS["d435i"]) -> Float[np.ndarray, "n 2"]:
     """Dot centres in the field at unit distance."""
-    half = np.array(HALF_FIELD)
-    wanted = round(DOT_DENSITY * 4 * half[0] * half[1])
-    cell = MINIMUM_SPACING / np.sqrt(2.0)
+    half = np.array(dots.half_field)
+    wanted = round(dots.density * 4 * half[0] * half[1])
+    cell = dots.minimum_spacing / np.sqrt(2.0)
     taken: dict[tuple[int, int], np.ndarray] = {}
     while len(taken) < wanted:
         for point in rng.uniform(-half, half, (4 * wanted, 2)):
             i, j = (int(c) for c in np.floor(point / cell))
             near = (taken.get((i + a, j + b)) for a in range(-2, 3) for b in range(-2, 3))
-            if all(q is None or np.hypot(*(q - point)) >= MINIMUM_SPACING for q in near):
+            if all(q is None or np.hypot(*(q - point)) >= dots.minimum_spacing for q in near):
                 taken[i, j] = point
                 if len(taken) == wanted:
                     break
@@ -69,31 +117,39 @@ def dot_positions(rng: np.random.Generator) -> Float[np.ndarray, "n 2"]:
 
 
 @cache
-def d435_pattern() -> DotPattern:
-    """The pattern with the measured statistics; always the same one."""
-    rng = np.random.default_rng(PATTERN_SEED)
-    centres = dot_positions(rng)
+def dot_pattern(dots: ProjectorDots) -> DotPattern:
+    """The pattern with these statistics; always the same one."""
+    rng = np.random.default_rng(dots.seed)
+    centres = dot_positions(rng, dots)
     powers = np.clip(rng.normal(1.0, BRIGHTNESS_SPREAD, len(centres)), 0.3, None)
-    width, height = (int(np.ceil(2 * half / TEXEL)) for half in HALF_FIELD)
-    sharp = _drawn(centres, powers, width, height)
+    width, height = (int(np.ceil(2 * half / dots.texel)) for half in dots.half_field)
+    sharp = _drawn(dots, centres, powers, width, height)
     # Half the resolution and a margin are enough for copies that are at least as blurred as a texel is wide.
     margin = [round(FIELD_MARGIN * n / 4) for n in (height, width)]
     coarse = sharp[: height // 2 * 2, : width // 2 * 2].reshape(height // 2, 2, width // 2, 2).mean(axis=(1, 3))
     padded = np.pad(coarse, [(m, m) for m in margin])
-    sigma_px = _SIGMA / (2 * TEXEL)
+    sigma_px = dots.sigma / (2 * dots.texel)
     levels = [padded, *(gaussian_filter(padded, sigma_px * 2.0 ** (n - 1)) for n in range(1, BLUR_LEVELS))]
-    return DotPattern(sharp.astype(np.float32), np.stack(levels).astype(np.float32), _SIGMA)
+    return DotPattern(dots.half_field, sharp.astype(np.float32), np.stack(levels).astype(np.float32), dots.sigma)
 
 
-def _drawn(centres: Float[np.ndarray, "n 2"], powers: Float[np.ndarray, "n"], width: int, height: int) -> np.ndarray:
+def d435_pattern() -> DotPattern:
+    """The pattern of the D435 and D435i, with the measured statistics."""
+    return dot_pattern(PROJECTORS["d435i"])
+
+
+def _drawn(
+    dots: ProjectorDots, centres: Float[np.ndarray, "n 2"], powers: Float[np.ndarray, "n"], width: int, height: int
+) -> np.ndarray:
     """The sharp pattern (height, width), mean 1."""
     image = np.zeros((height, width))
-    radius = int(np.ceil(4 * _SIGMA / TEXEL))
-    scale = np.array([width, height]) / (2 * np.array(HALF_FIELD))
-    for (x, y), power in zip((centres + HALF_FIELD) * scale - 0.5, powers, strict=True):
+    sigma, half_field = dots.sigma, np.array(dots.half_field)
+    radius = int(np.ceil(4 * sigma / dots.texel))
+    scale = np.array([width, height]) / (2 * half_field)
+    for (x, y), power in zip((centres + half_field) * scale - 0.5, powers, strict=True):
         columns = np.arange(max(round(x) - radius, 0), min(round(x) + radius + 1, width))
         rows = np.arange(max(round(y) - radius, 0), min(round(y) + radius + 1, height))
-        across = np.exp(-0.5 * ((columns - x) / (_SIGMA * scale[0])) ** 2)
-        down = np.exp(-0.5 * ((rows - y) / (_SIGMA * scale[1])) ** 2)
+        across = np.exp(-0.5 * ((columns - x) / (sigma * scale[0])) ** 2)
+        down = np.exp(-0.5 * ((rows - y) / (sigma * scale[1])) ** 2)
         image[np.ix_(rows, columns)] += power * np.outer(down, across)
     return BACKGROUND_SHARE + (1.0 - BACKGROUND_SHARE) * image / image.mean()

@@ -5,7 +5,7 @@ from typing import Any
 
 from scipy.spatial.transform import RigidTransform
 
-from render.light.pattern import BLUR_LEVELS, FIELD_MARGIN, HALF_FIELD, DotPattern
+from render.light.pattern import BLUR_LEVELS, FIELD_MARGIN, DotPattern
 from render.world import backend
 
 
@@ -13,6 +13,8 @@ from render.world import backend
 class ProjectorLight:
     """The dot projector as a point light with a pattern, on the device."""
 
+    half_field: tuple[float, float]
+    """Tangents of the half field angles."""
     sharp: Any
     blurred: Any
     sigma: float
@@ -30,7 +32,7 @@ class ProjectorLight:
 
         sharp = mi.Texture2f(mi.TensorXf(pattern.sharp[..., None]), wrap_mode=dr.WrapMode.Clamp)
         blurred = mi.Texture3f(mi.TensorXf(pattern.blurred[..., None]), wrap_mode=dr.WrapMode.Clamp)
-        unplaced = cls(sharp, blurred, pattern.sigma, mi.Float(0), mi.Point3f(0), mi.Matrix3f(1))
+        unplaced = cls(pattern.half_field, sharp, blurred, pattern.sigma, mi.Float(0), mi.Point3f(0), mi.Matrix3f(1))
         return unplaced.moved(T_world_projector, mean)
 
     def moved(self, T_world_projector: RigidTransform, mean: float) -> "ProjectorLight":
@@ -67,7 +69,7 @@ class ProjectorLight:
         local = self.world_to_projector @ direction
         ahead = active & (local.z > 1e-3)
         scale = dr.rcp(dr.select(ahead, local.z, 1.0))
-        half_x, half_y = HALF_FIELD
+        half_x, half_y = self.half_field
         uv = mi.Point2f(local.x * scale / (2 * half_x) + 0.5, local.y * scale / (2 * half_y) + 0.5)
         in_field = ahead & (uv.x > 0) & (uv.x < 1) & (uv.y > 0) & (uv.y < 1)
         is_sharp = footprint <= 0

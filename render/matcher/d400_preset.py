@@ -1,18 +1,19 @@
-"""RealSense D400 presets for the D4-like matcher: by name, or from a preset file of the RealSense viewer.
+"""RealSense D400 presets: by name, from a preset file of the RealSense viewer, or as the text of such a file.
 
 Presets count in the chip's units. What `D4Settings` holds belongs to the Default preset, so every other value is taken
 in proportion: `param-secondpeakdelta` 650, twice the Default's, gives twice the matcher's default. Names, values and
-keys: librealsense, `presets.cpp` (D43x) and `json_loader.hpp`.
+keys: librealsense, `presets.cpp` (D43x; the D41x Default has the same values) and `json_loader.hpp`.
 """
 
 import json
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from materials.input_error import InputError
 from materials.suggestion import suggest
-from render.matcher.d4.matcher import D4Matcher
 from render.matcher.d4.settings import D4Settings
 
 P1_KEYS = ("param-scanlinep1", "param-scanlinep1onediscon", "param-scanlinep1twodiscon")
@@ -20,7 +21,12 @@ P2_KEYS = ("param-scanlinep2", "param-scanlinep2onediscon", "param-scanlinep2two
 SECOND_PEAK, LEFT_RIGHT = "param-secondpeakdelta", "param-leftrightthreshold"
 RSM_DIFFERENCE, RSM_REMOVE, RSM_ON = "param-rsmdiffthreshold", "param-rsmremovethreshold", "param-usersm"
 SHIFT, UNITS = "param-disparityshift", "param-depthunits"
-ALIASES = {"param-zunits": UNITS, "aux-param-disparityshift": SHIFT, "aux-param-depthunits": UNITS}
+CLAMP_MIN, CLAMP_MAX, SET_POINT = "param-depthclampmin", "param-depthclampmax", "param-autoexposure-setpoint"
+LASER_ON, LASER_POWER = "controls-laserstate", "controls-laserpower"
+AUTO_EXPOSURE, EXPOSURE, GAIN = "controls-autoexposure-auto", "controls-autoexposure-manual", "controls-depth-gain"
+MATCHER_KEYS = (*P1_KEYS, *P2_KEYS, SECOND_PEAK, LEFT_RIGHT, RSM_DIFFERENCE, RSM_REMOVE, RSM_ON, SHIFT)
+"""What the matcher has a counterpart for."""
+ALIASES = {"param-zunits": UNITS} | {f"aux-{key}": key for key in (SHIFT, UNITS, CLAMP_MIN, CLAMP_MAX, SET_POINT)}
 
 RSM_WINDOW = 168
 """Neighbours that the chip's RSM stage counts, 13 x 13 - 1; the file holds shares of them (`json_loader.hpp`)."""
@@ -35,8 +41,18 @@ LIMITS = {
     RSM_ON: (0, 1),
     SHIFT: (0, 512),
     UNITS: (1, 1_000_000),
+    CLAMP_MIN: (0, 65536),
+    CLAMP_MAX: (0, 65536),
+    SET_POINT: (16, 4064),
+    LASER_ON: (0, 2),
+    LASER_POWER: (0, 360),
+    AUTO_EXPOSURE: (0, 1),
+    EXPOSURE: (1, 165_000),
+    GAIN: (16, 248),
 }
-"""What a file may hold: the widths of the chip's registers; depth units from 1 um to 1 m."""
+"""What a file may hold: the widths of the chip's registers; depth units from 1 um to 1 m; librealsense's options."""
+WORDS = {"off": 0.0, "on": 1.0, "auto": 2.0, "false": 0.0, "true": 1.0}
+"""Values that the viewer writes as words (`json_loader.hpp`)."""
 
 
 def _preset(second_peak: float, left_right: float, p1: tuple, p2: tuple, difference: float, least: int) -> dict:
@@ -61,37 +77,75 @@ class D400Preset:
     name: str
     """Of the preset or its file."""
     settings: D4Settings
-    shift: int = 0
-    """Start of the disparity search [px]."""
-    depth_unit: float = 1e-3
-    """Depth of one z16 step [m]."""
+    values: Mapping[str, float] = field(default_factory=dict)
+    """What a file holds under known keys."""
     ignored: tuple[str, ...] = ()
-    """Keys of the file that the matcher has no counterpart for."""
+    """Keys of the file that nothing here has a counterpart for."""
 
-    def matcher(self) -> D4Matcher:
-        """The D4-like matcher under this preset."""
-        return D4Matcher(self.settings, self.shift)
+    @property
+    def shift(self) -> int:
+        """Start of the disparity search [px]."""
+        return int(self.values.get(SHIFT, 0))
+
+    @property
+    def depth_unit(self) -> float:
+        """Depth of one z16 step [m]."""
+        return self.values.get(UNITS, 1000) * 1e-6
+
+    @property
+    def matcher_text(self) -> str:
+        """What of it the matcher has a counterpart for, as text that `load_preset` reads: equal for equal content."""
+        if not self.values:
+            return self.name
+        held = {key: self.values[key] for key in sorted(MATCHER_KEYS) if key in self.values}
+        return json.dumps(held) if held else "default"
+
+
+def load_preset(text: str, folder: Path | None = None) -> D400Preset:
+    """The preset that a setting spells: one of the viewer's by name, a JSON file, or the JSON object itself.
+
+    folder: where a relative path counts from; None = where the program runs.
+    """
+    if text.lstrip().startswith("{"):
+        return _preset_from_text("preset", text)
+    return preset_from_file((folder or Path()) / text) if is_file_name(text) else preset_by_name(text)
+
+
+def is_file_name(text: str) -> bool:
+    """Whether a preset is given as a file."""
+    return not text.lstrip().startswith("{") and (text.lower().endswith(".json") or "/" in text)
 
 
 def preset_by_name(name: str) -> D400Preset:
     """One of the viewer's presets; upper case, blanks and dashes do not matter."""
     key = name.strip().lower().replace(" ", "_").replace("-", "_")
     if key not in D400_PRESETS:
-        raise InputError(f"preset {name!r}: unknown; {suggest(key, D400_PRESETS)}")
+        raise InputError(f"preset {name!r}: unknown; {suggest(key, D400_PRESETS)}, or give a JSON file")
     return D400Preset(key, _settings(D400_PRESETS[key]))
 
 
 def preset_from_file(path: Path) -> D400Preset:
-    """A preset file of the RealSense viewer, flat or with its values under `parameters`."""
+    """A preset file of the RealSense viewer: flat, or its values somewhere inside other objects."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such preset file; presets by name are {', '.join(D400_PRESETS)}") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be read as a preset file ({error}); export it from the viewer") from None
+    return _preset_from_text(str(path), text)
+
+
+def _preset_from_text(source: str, text: str) -> D400Preset:
+    """A preset of JSON text. source: what messages call it."""
     values, ignored = {}, []
-    for key, value in _parameters(path).items():
+    for key, value in _parameters(source, text).items():
         known = ALIASES.get(key, key)
         if known in LIMITS:
-            values[known] = _number(path, key, value, *LIMITS[known])
+            values[known] = _number(source, key, value, *LIMITS[known])
         else:
             ignored.append(key)
     settings = _settings({**D400_PRESETS["default"], **values})
-    return D400Preset(path.stem, settings, int(values.get(SHIFT, 0)), values.get(UNITS, 1000) * 1e-6, tuple(ignored))
+    return D400Preset(Path(source).stem, settings, values, tuple(ignored))
 
 
 def _settings(values: dict[str, float]) -> D4Settings:
@@ -113,24 +167,37 @@ def _settings(values: dict[str, float]) -> D4Settings:
     )
 
 
-def _parameters(path: Path) -> dict[str, object]:
+def _parameters(source: str, text: str) -> dict[str, object]:
+    """The one object of the JSON text that holds known keys."""
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such preset file; presets by name are {', '.join(D400_PRESETS)}") from None
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read as a preset file ({error}); export it from the viewer") from None
-    parameters = content.get("parameters", content) if isinstance(content, dict) else None
-    if not isinstance(parameters, dict):
-        raise InputError(f"{path}: holds no parameters; a preset file is one JSON object of `param-...` keys")
-    return parameters
+        content = json.loads(text)
+        found = [thing for thing in _objects(content) if any(ALIASES.get(key, key) in LIMITS for key in thing)]
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{source}: cannot be read as a preset file ({error}); export it from the viewer") from None
+    if not found:
+        raise InputError(
+            f"{source}: holds no parameters of a D400 camera: no key is known; a preset file is one JSON object with "
+            f"keys like {SECOND_PEAK}"
+        )
+    if len(found) > 1:
+        raise InputError(f"{source}: holds {len(found)} objects with parameters; keep the one that is meant")
+    return found[0]
 
 
-def _number(path: Path, key: str, value: object, least: float, most: float) -> float:
+def _objects(content: Any) -> Iterator[dict[str, object]]:
+    """Every object in JSON content, the outer ones first."""
+    if isinstance(content, dict):
+        yield content
+    for inner in content.values() if isinstance(content, dict) else content if isinstance(content, list) else ():
+        yield from _objects(inner)
+
+
+def _number(source: str, key: str, value: object, least: float, most: float) -> float:
     try:
-        number = float(value) if isinstance(value, str | int | float) else math.nan
+        word = WORDS.get(value.strip().lower(), value) if isinstance(value, str) else value
+        number = float(word) if isinstance(word, str | int | float) else math.nan
     except ValueError:
         number = math.nan
     if not least <= number <= most:
-        raise InputError(f"{path}: {key} is {value!r}; give a number from {least:g} to {most:g}")
+        raise InputError(f"{source}: {key} is {value!r}; give a number from {least:g} to {most:g}")
     return number

@@ -41,6 +41,11 @@ class Window:
 class StereoMatcher(Protocol):
     """Anything that finds the disparities of rectified, row-aligned infrared pairs."""
 
+    @property
+    def shift(self) -> int:
+        """Added to every search's start, the chip's `disparityShift` [px]."""
+        ...
+
     def match_burst(
         self,
         lefts: UInt8[np.ndarray, "n h w"],

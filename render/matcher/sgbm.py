@@ -37,6 +37,8 @@ class SgbmMatcher(StereoMatcher):
     texture_range: int = 4
     """Smallest intensity range in the 9 x 9 neighbourhood [DN]. Choice: the range of 81 pixels of pure image noise
     of 0.5 DN is about 2.5 DN, and without this gate StereoSGBM fills empty background with nonsense."""
+    shift: int = 0
+    """Added to every search's start, the chip's `disparityShift` [px]."""
     full_paths: bool = False
     """Eight paths (MODE_HH, slow, whole volume in memory) instead of three (MODE_SGBM_3WAY)."""
 
@@ -49,11 +51,9 @@ class SgbmMatcher(StereoMatcher):
         n_disparities: int = N_DISPARITIES,
     ) -> Float32[np.ndarray, "n h w"]:
         """Disparities [px], 0 = invalid; see `StereoMatcher.match_burst`."""
-        window = window or Window.whole(lefts.shape)
+        window, start = window or Window.whole(lefts.shape), min_disparity + self.shift
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            frames = pool.map(
-                lambda left, right: self._match(left, right, window, min_disparity, n_disparities), lefts, rights
-            )
+            frames = pool.map(lambda left, right: self._match(left, right, window, start, n_disparities), lefts, rights)
             return np.stack(list(frames))
 
     def _match(

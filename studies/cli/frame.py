@@ -57,7 +57,7 @@ def run(args: list[str]) -> int:
     command = parse_case_command(FrameSettings, args, "franbv frame", HELP)
     settings = command.settings
     subject = build_subject(settings)
-    pose = camera_pose(settings.pose, subject.scene)
+    pose = camera_pose(settings.pose, subject.scene, settings.sensor.roll_deg)
     for notice in subject.notices:
         warn(f"franbv frame: {notice}")
     config = resolved(settings)

@@ -12,15 +12,20 @@ from jaxtyping import Float
 
 from materials.input_error import InputError
 from render.depth.coding import DepthFormat, metres_from_z16, z16_from_disparity
-from render.matcher.d400_preset import D400Preset, preset_by_name, preset_from_file
-from render.matcher.sgbm import SgbmMatcher
+from render.matcher.by_name import matcher_by_name
+from render.matcher.d400_preset import D400Preset, is_file_name, load_preset
 from studies.base.console import say, say_json, warn
 from studies.base.flags import parse
+from studies.base.inputs import check_not_overwritten
 from studies.scoring.match import HoleScore, MatchScore, fraction_shares, score
 from studies.store.images import millimetres, write_png
 from studies.store.stereo_files import read_pair, read_reference
 
 HELP = "Match a rectified infrared pair as a D400 camera does; score the depth against the camera's own."
+MOST_OFFSET_PX = 3.0
+"""Median difference of the disparities that is worth a word [px]; choice, real pairs are within one of their depth."""
+LARGEST_UNIT_M = 1.0
+"""Of a depth step [m] (librealsense: depth units up to 1 m)."""
 LONGEST_BASELINE_M = 1.0
 """Above it the baseline was surely given in millimetres; choice, the D400 cameras have 18 to 95 mm."""
 
@@ -30,7 +35,7 @@ class MatchCommand:
     """The flags of `franbv match`."""
 
     left: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="LEFT")]
-    """Left infrared image (`infra1`), 8 bits."""
+    """Left infrared image (`infra1`): 8 bits, or 8 or 10 bits in 16."""
     right: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RIGHT")]
     """Right infrared image (`infra2`), of the same size and rectified with the left one."""
     fx: Annotated[float, tyro.conf.arg(metavar="PX")]
@@ -40,8 +45,10 @@ class MatchCommand:
     out: Annotated[Path | None, tyro.conf.arg(metavar="DEPTH")] = None
     """Write the depth here: 16-bit PNG in millimetres, 0 = invalid."""
     reference: Annotated[Path | None, tyro.conf.arg(metavar="DEPTH")] = None
-    """The camera's own depth: 16-bit PNG in millimetres at full or half resolution, or a picture in jet colours whose
-    black is a hole (then holes alone are scored)."""
+    """The camera's own depth: 16-bit PNG at full or half resolution, or a picture in jet colours whose black is a hole
+    (then holes alone are scored)."""
+    reference_unit: Annotated[float | None, tyro.conf.arg(metavar="M")] = None
+    """Depth of one step of the reference [m]; the default is the preset's depth unit, 0.001 if it names none."""
     matcher: Literal["d4", "sgbm"] = "d4"
     """`d4` fails like the camera's chip; `sgbm` is OpenCV's StereoSGBM."""
     preset: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "default"
@@ -54,15 +61,21 @@ def run(args: list[str]) -> int:
     """Match the pair; 0 when that was done."""
     command = parse(MatchCommand, args, "franbv match", HELP)
     focal_baseline = _focal_baseline(command.fx, command.baseline)
-    preset = _preset(command.preset)
+    preset = load_preset(command.preset)
     if preset.ignored:
         warn(f"franbv match: {command.preset}: no counterpart, ignored: {', '.join(preset.ignored)}")
-    left, right = read_pair(command.left, command.right)
-    reference = read_reference(command.reference, left.shape) if command.reference else None
+    if command.out:
+        file = Path(command.preset) if is_file_name(command.preset) else None
+        check_not_overwritten((command.left, command.right, command.reference, file), (command.out,))
+    left, right, how = read_pair(command.left, command.right)
+    if how:
+        warn(f"franbv match: {command.left}, {command.right}: {how}")
+    unit = _unit(command.reference_unit, preset)
+    reference = read_reference(command.reference, left.shape, unit) if command.reference else None
 
-    matcher = SgbmMatcher() if command.matcher == "sgbm" else preset.matcher()
+    matcher = matcher_by_name(command.matcher, preset)
     start = time.perf_counter()
-    disparity = matcher.match(left, right, None, preset.shift if command.matcher == "sgbm" else 0)
+    disparity = matcher.match(left, right)
     elapsed = time.perf_counter() - start
     if command.out:
         coding = DepthFormat(unit=preset.depth_unit)
@@ -78,6 +91,8 @@ def run(args: list[str]) -> int:
     result = score(disparity, reference, left, focal_baseline) if reference else None
     if result:
         say(table(result))
+        if odd := _odd_offset(disparity, result, focal_baseline, unit):
+            warn(f"franbv match: {command.reference}: {odd}")
     if command.json:
         say_json(
             {
@@ -131,8 +146,24 @@ def _focal_baseline(fx: float, baseline: float) -> float:
     return fx * baseline
 
 
-def _preset(text: str) -> D400Preset:
-    return preset_from_file(Path(text)) if text.endswith(".json") or "/" in text else preset_by_name(text)
+def _unit(given: float | None, preset: D400Preset) -> float:
+    """Depth of one step of the reference [m]."""
+    if given is not None and not (math.isfinite(given) and 0 < given <= LARGEST_UNIT_M):
+        raise InputError(f"--reference-unit {given:g}: must lie in (0, {LARGEST_UNIT_M:g}]; give it in metres")
+    return preset.depth_unit if given is None else given
+
+
+def _odd_offset(disparity: Float[np.ndarray, "h w"], result: MatchScore, focal_baseline: float, unit: float) -> str:
+    """What to say of a median offset that no calibration leaves; "" for one that it may."""
+    if result.disparity is None or not abs(result.disparity.offset_px) > MOST_OFFSET_PX:
+        return ""
+    offset, typical = result.disparity.offset_px, float(np.median(disparity[disparity > 0]))
+    here = f"{1e3 * focal_baseline / max(typical, 1e-6):.0f} mm"
+    there = f"{1e3 * focal_baseline / max(typical - offset, 1e-6):.0f} mm" if typical > offset else "beyond all range"
+    return (
+        f"its disparities are {offset:+.1f} px off (the pair gives {here}, it says {there}); is a step of it "
+        f"{1e3 * unit:g} mm? give --reference-unit in metres, or check --fx and --baseline"
+    )
 
 
 def _write_depth(path: Path, depth: Float[np.ndarray, "h w"]) -> None:

@@ -5,7 +5,7 @@ from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
 from franbv.candidates import first_view
-from franbv.frames import look_at
+from franbv.frames import look_at, rolled
 from franbv.parameters import Parameters
 from materials.input_error import InputError
 from render.arm.solid import Solid
@@ -15,21 +15,21 @@ from scenes.scene import Scene
 HOW = "write azimuth,elevation,distance in deg,deg,m, or eye:x,y,z in m"
 
 
-def camera_pose(text: str | None, scene: Scene) -> RigidTransform:
+def camera_pose(text: str | None, scene: Scene, roll_deg: float = 0.0) -> RigidTransform:
     """The pose T_world_cam that `text` spells; None is the planner's first view.
 
     `azimuth,elevation,distance` counts from the middle of the part's bounding box, azimuth from world x towards y.
-    `eye:x,y,z` is the position. Either way the camera looks at that middle, upright. InputError for a pose under the
-    table or inside a part body.
+    `eye:x,y,z` is the position. Either way the camera looks at that middle, turned by its roll. InputError for a pose
+    under the table or inside a part body.
     """
     if text is None:
-        pose = first_view(Parameters(), 0.0)
+        pose = first_view(Parameters(roll_deg=roll_deg), 0.0)
     else:
         middle = part_box(scene).mean(axis=0)
         eye = _eye(text, middle)
         if np.linalg.norm(eye - middle) < 1e-6:
             raise InputError(f"--pose {text}: the camera stands where it should look; give a distance")
-        pose = look_at(eye, middle)
+        pose = rolled(look_at(eye, middle), roll_deg)
     _check_free(text or "first view", pose.translation, scene)
     return pose
 

@@ -3,9 +3,9 @@
 from studies.base.console import say, say_json, warn
 from studies.base.flags import parse_case_command
 from studies.base.single_case import made_once
-from studies.run.reconstruct import ReconstructSettings, check_workspace, simulate
-from studies.run.run_case import COMMAND, ablated
-from studies.run.scene_settings import build_subject, resolved
+from studies.run.reconstruct import ReconstructSettings, check_workspace, resolved_run, simulate
+from studies.run.run_case import COMMAND
+from studies.run.scene_settings import build_subject
 from studies.run.sentences import run_paragraph
 from studies.run.stored_run import CLOUD, FILTERED_CLOUD, REPORT, RUN, TABLE, TIMINGS, StoredRun
 
@@ -22,7 +22,7 @@ def run(args: list[str]) -> int:
     check_workspace(subject.scene, command.settings.parameters)
     for notice in subject.notices:
         warn(f"franbv {COMMAND}: {notice}")
-    config = ablated(resolved(command.settings))
+    config = resolved_run(command.settings)
     case, found = made_once(COMMAND, config, command.out, FILES, lambda folder: simulate(folder, config, subject))
     stored = StoredRun(case)
     say(f"{stored.run['title']}: {run_paragraph(stored.run, stored.timings)}")

@@ -12,9 +12,9 @@ from studies.comparison.links import LINKS, arm_name
 from studies.comparison.links import PLANNERS as PAIR
 from studies.comparison.preset import CORNER, ComparisonPreset
 from studies.run.ablation import ABLATIONS, Ablation
-from studies.run.reconstruct import ReconstructSettings, check_workspace, simulate
-from studies.run.run_case import COMMAND, ablated
-from studies.run.scene_settings import build_subject, resolved
+from studies.run.reconstruct import ReconstructSettings, check_workspace, resolved_run, simulate
+from studies.run.run_case import COMMAND
+from studies.run.scene_settings import build_subject
 from studies.run.shared_bursts import SharedCaptures
 from studies.work.workers import Job
 
@@ -121,7 +121,7 @@ def run_settings(
         parameters=preset.parameters,
         ablation=ablation,
     )
-    return ablated(resolved(settings))
+    return resolved_run(settings)
 
 
 def seed_at(root: int, azimuth_deg: float) -> int:

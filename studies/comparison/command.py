@@ -15,6 +15,7 @@ from studies.base.case_folder import finished_case
 from studies.base.config import load_config
 from studies.base.console import say, say_json, strict_json, warn
 from studies.base.flags import parse
+from studies.base.inputs import check_not_overwritten
 from studies.base.output_errors import prepare_output
 from studies.comparison.cases import RUNS, PlannedRun, check_runs, jobs, planned_runs
 from studies.comparison.links import LINKS
@@ -25,6 +26,7 @@ from studies.comparison.report.page import write_comparison_report
 from studies.comparison.statistics import Comparison
 from studies.comparison.summary import failed_runs, json_summary, paragraph
 from studies.run.ablation import ABLATIONS
+from studies.run.scene_settings import preset_files, with_sensor_resolved
 from studies.run.stored_run import REPORT
 from studies.store.tables import write_rows
 from studies.work.study_clock import StudyClock
@@ -34,6 +36,8 @@ PROGRAM = "franbv study comparison"
 HELP = "Compare FRA-NBV with PB-NBV and ray-cast entropy over many runs, beside the paper's numbers."
 STUDY, TABLE, SUMMARY = "comparison.json", "runs.parquet", "summary.json"
 """The resolved preset, the table of runs and the summary, in the output folder."""
+WRITTEN = (STUDY, TABLE, SUMMARY, REPORT)
+"""What stands there beside the runs."""
 
 
 @dataclass(frozen=True)
@@ -57,13 +61,15 @@ class ComparisonCommand:
 def run(args: list[str]) -> int:
     """Run what is missing, then build table and report from all runs; exit status 1 when runs failed."""
     command = parse(ComparisonCommand, args, PROGRAM, HELP)
-    preset = ComparisonPreset.named(command.preset)
+    named = ComparisonPreset.named(command.preset)
+    preset = with_sensor_resolved(named)
     preset = with_named(preset, "ablations", command.ablations, ABLATIONS)
     preset = with_named(preset, "links", command.links, LINKS)
     preset = with_stored_arms(preset, command.out)
     workers = worker_count(command.workers)
     runs = planned_runs(preset)
     check_runs(runs)
+    check_not_overwritten(preset_files(command.preset, named.sensor), map(command.out.joinpath, WRITTEN))
     prepare_output(command.out)
     write_atomically(command.out / STUDY, strict_json(preset.model_dump(mode="json"), indent=1).encode())
     clock = StudyClock.started(command.out, command.out / RUNS, stored_summary(command.out)["wall_s"])

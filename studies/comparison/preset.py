@@ -11,7 +11,7 @@ from scenes.parts import PART_NAMES
 from studies.base.config import Preset
 from studies.comparison.links import LINKS
 from studies.run.ablation import ABLATIONS
-from studies.run.scene_settings import check_sensor
+from studies.run.scene_settings import check_sensor, mounted
 
 CORNER = "inside_corner"
 """The subject whose faces mirror each other."""
@@ -68,4 +68,5 @@ class ComparisonPreset(Preset):
         if not (self.parts or self.corner):
             raise ValueError("nothing to reconstruct; name parts, or a material for the corner")
         check_sensor(self.sensor)
+        mounted(self.parameters, self.sensor)
         return self

@@ -8,10 +8,14 @@ from typing import Annotated, Literal, get_args
 from pydantic import AfterValidator, Field, model_validator
 
 from materials.catalog import finish_names, material_names, metal_names
+from materials.input_error import InputError
 from materials.suggestion import suggest
 from materials.user_materials import UserEntry, UserMaterials, checked_entry
+from render.arm.camera_body import CAMERA_BODIES
+from render.d435i import SensorSettings
 from render.imager.settings import LONGEST_EXPOSURE_US, MOST_LASER_POWER_MW
-from render.world.rig import FOCAL_LENGTHS_PX
+from render.matcher.d400_preset import UNITS, load_preset
+from render.world.rig import CAMERA_MODELS, Rig
 from scenes.lamps import LIGHTING_NAMES
 from scenes.part_materials import part_materials
 from scenes.parts import PART_NAMES
@@ -54,8 +58,8 @@ Elevation = Annotated[float, Field(ge=0, le=90)]
 """[deg] above the table."""
 Distance = Annotated[float, Field(ge=0.1, le=1.0)]
 """[m] (choice: up to here no furniture of the room is in the camera's way, and all depth fits 16 bits)."""
-LEAST_HEIGHT = 0.0125
-"""Of the camera above the table top [m]: half of its housing (D400 datasheet: 25 mm high)."""
+MILLIMETRE_UM = 1000
+"""Depth unit of a dataset [um]."""
 
 
 class UserCad(Config):
@@ -135,7 +139,14 @@ class Camera(Config):
 
     profiles: Weights = Field(default={"640x360": 1})
     """Stream profiles."""
+    model: Literal["d435i", "d415"] = "d435i"
+    """Camera of the D400 family."""
     matcher: Literal["d4", "sgbm"] = "d4"
+    preset: str = "default"
+    """Preset of the RealSense viewer by name, or a JSON file; a relative path counts from the configuration's folder.
+    Only what concerns the matcher counts: laser and exposure are drawn, and depth is in whole millimetres."""
+    roll_deg: Annotated[float, Field(ge=-180, le=180)] = 0.0
+    """Turn of the camera in its mount about its optical axis, clockwise as it looks; 90 = on end [deg]."""
     laser_mw: Annotated[tuple[LaserPower, LaserPower], AfterValidator(_ordered)] = (30.0, 360.0)
     """Laser power, log-uniform [mW]."""
     auto_exposure: Share = 0.8
@@ -144,6 +155,22 @@ class Camera(Config):
     """Exposure of the others, log-uniform [us]."""
     decimation: Annotated[int, Field(ge=2, le=8)] = 8
     """Factor of the decimated depth."""
+
+    def sensor(self, profile: str) -> SensorSettings:
+        """Camera, matcher and mount, as far as a dataset has one for all scenes; depth is kept whole."""
+        return SensorSettings(
+            model=self.model,
+            profile=profile,
+            roll_deg=self.roll_deg,
+            preset=self.preset,
+            decimation=self.decimation,
+            crop=None,
+            matcher=self.matcher,
+        )
+
+    def rig(self, profile: str) -> Rig:
+        """Imagers and projector streaming at this profile."""
+        return self.sensor(profile).rig
 
 
 class Views(Config):
@@ -157,7 +184,7 @@ class Views(Config):
     distance_m: Annotated[tuple[Distance, Distance], AfterValidator(_ordered)] = (0.25, 0.7)
     """From the middle of what is looked at, uniform [m]."""
     roll_deg: Annotated[float, Field(ge=0, le=180)] = 15.0
-    """The camera is turned about its axis by up to this, either way [deg]."""
+    """The camera is turned about its axis by up to this from its mount's roll, either way [deg]."""
     aim_m: Annotated[float, Field(ge=0, le=0.2)] = 0.03
     """It aims at a point within this of the middle, along each axis [m]."""
 
@@ -205,7 +232,11 @@ class DatasetConfig(Config):
             ("surroundings.clutter_materials", s.clutter_materials, specs),
             ("surroundings.clutter_shapes", s.clutter_shapes, get_args(Shape)),
             ("surroundings.lamps", s.lamps, LIGHTING_NAMES),
-            ("camera.profiles", self.camera.profiles, [f"{w}x{h}" for w, h in FOCAL_LENGTHS_PX]),
+            (
+                "camera.profiles",
+                self.camera.profiles,
+                [f"{w}x{h}" for w, h in CAMERA_MODELS[self.camera.model].focal_lengths_px],
+            ),
             ("poses.motion", self.poses.motion, get_args(Motion)),
         ):
             for word in words:
@@ -228,7 +259,8 @@ class DatasetConfig(Config):
             fitting = finish_names(metal, m.of_user)
             if not any(m.finishes.get(finish) for finish in fitting):
                 raise ValueError(f"materials.finishes: none goes with {metal}; give one of {', '.join(fitting)}")
-        if p.distance_m[0] * math.sin(math.radians(p.elevation_deg[0])) - p.aim_m < LEAST_HEIGHT:
+        least_height = CAMERA_BODIES[self.camera.model].reach_below(self.camera.roll_deg)
+        if p.distance_m[0] * math.sin(math.radians(p.elevation_deg[0])) - p.aim_m < least_height:
             raise ValueError(
                 f"poses: from {p.distance_m[0]:g} m at {p.elevation_deg[0]:g} deg, aimed {p.aim_m:g} m too low, the "
                 "camera is in the table; raise distance_m or elevation_deg, or lower aim_m"
@@ -246,10 +278,18 @@ class DatasetConfig(Config):
 
 
 def load_dataset_config(name: str) -> DatasetConfig:
-    """From a YAML file, or `default`; CAD and BSDF files by absolute path."""
+    """From a YAML file, or `default`; CAD and BSDF files by absolute path, a preset file by its content."""
     path = DEFAULT if name == "default" else Path(name)
     config = load_config(DatasetConfig, path)
     folder = path.resolve().parent
+    preset = load_preset(config.camera.preset, folder)
+    if preset.values.get(UNITS, MILLIMETRE_UM) != MILLIMETRE_UM:
+        raise InputError(
+            f"{path}: camera.preset {config.camera.preset} has depth units of {preset.values[UNITS]:g} um; a dataset's "
+            "depth is in whole millimetres, so take that key out of it"
+        )
+    camera = config.camera.model_copy(update={"preset": preset.matcher_text})
+    config = config.model_copy(update={"camera": camera})
     cad = tuple(entry.model_copy(update={"file": folder / entry.file}) for entry in config.objects.cad)
     user = {name: checked_entry(path, name, entry) for name, entry in config.materials.user.items()}
     return with_files(config, cad, user)

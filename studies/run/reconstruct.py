@@ -16,13 +16,19 @@ from scenes.reference_points import part_box
 from scenes.scene import Scene
 from studies.run.bursts import KeptCaptures, Take
 from studies.run.reference import reference_surface
-from studies.run.run_case import RunSettings, write_run
-from studies.run.scene_settings import Subject, SubjectSettings
+from studies.run.run_case import RunSettings, ablated, write_run
+from studies.run.scene_settings import Subject, SubjectSettings, mounted, resolved
 from studies.run.shared_bursts import SharedCaptures
 
 
 class ReconstructSettings(RunSettings, SubjectSettings):
     """What decides a reconstruction: the subject and the run."""
+
+
+def resolved_run(settings: ReconstructSettings) -> ReconstructSettings:
+    """The settings that decide the result, as `resolved` and `ablated` give them, the planner's roll from the mount."""
+    run = ablated(resolved(settings))
+    return run.model_copy(update={"parameters": mounted(run.parameters, run.sensor)})
 
 
 def simulate(
@@ -36,7 +42,7 @@ def simulate(
     camera = SimulatedD435i(subject.scene, config.sensor, config.seed)
     captures = KeptCaptures(take_with(camera), camera.intrinsics, camera.min_z, folder, shared)
     reference = reference_surface(subject.scene, lambda points, normals: seen_from_above(camera.world, points, normals))
-    arm = SimulatedArm.around(subject.scene.part_mesh())
+    arm = SimulatedArm.around(subject.scene.part_mesh(), model=config.sensor.model, roll_deg=config.sensor.roll_deg)
     write_run(folder, config, subject.title, captures, arm, reference, watched)
 
 

@@ -2,18 +2,19 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
 import tyro
-from pydantic import Field
+from pydantic import BaseModel, Field
 
+from franbv.parameters import Parameters
 from materials.catalog import material
 from materials.input_error import InputError
 from materials.user_materials import UserMaterials, load_user_materials
 from render.d435i import SensorSettings
 from render.depth.decimation import crop_centre, decimated_intrinsics
-from render.world.rig import d435i_rig
+from render.matcher.d400_preset import is_file_name, load_preset
 from scenes.build import COUPONS, coupon_scene, part_scene, scene_on_table
 from scenes.part_materials import part_materials
 from scenes.parts import PART_NAMES, part_description
@@ -51,6 +52,7 @@ class SubjectSettings(Config):
 
 
 AnySubject = TypeVar("AnySubject", bound=SubjectSettings)
+AnyModel = TypeVar("AnyModel", bound=BaseModel)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +63,7 @@ class Subject:
     """For people: what is reconstructed."""
     scene: Scene
     notices: tuple[str, ...] = ()
-    """What was mended in a CAD file, one line each."""
+    """What was mended in a CAD file, and what a preset's file says in vain, one line each."""
 
 
 def build_subject(settings: SubjectSettings) -> Subject:
@@ -70,46 +72,70 @@ def build_subject(settings: SubjectSettings) -> Subject:
         raise InputError(
             "nothing to look at; give either --part A, B, C or D, or --mesh FILE with --units and --material"
         )
-    check_sensor(settings.sensor)
+    notices = check_sensor(settings.sensor)
     user = load_user_materials(settings.materials_file) if settings.materials_file else UserMaterials()
     if settings.mesh is not None:
-        return _from_file(settings, settings.mesh, user)
+        return _from_file(settings, settings.mesh, user, notices)
     if settings.units or settings.up:
         raise InputError(f"part {settings.part}: --units and --up are for --mesh; leave them out")
     if settings.part in COUPONS:
-        return _coupon(settings, settings.part, user)
+        return _coupon(settings, settings.part, user, notices)
     part = str(settings.part)
     if part not in PART_NAMES:
         raise InputError(f"part {part}: there is none; choose {', '.join([*PART_NAMES, *COUPONS])}")
     materials = part_materials(settings.material, user) if settings.material else None
     scene = part_scene(part, materials, settings.lamps, room=settings.room)
     changed = f", as {', '.join(settings.material)}" if settings.material else ""
-    return Subject(f"Part {part}, {part_description(part)}{changed}", scene)
+    return Subject(f"Part {part}, {part_description(part)}{changed}", scene, notices)
 
 
-def check_sensor(sensor: SensorSettings) -> None:
-    """InputError for a stream profile or a crop that the camera does not have."""
-    full = d435i_rig(sensor.profile).intrinsics
+def check_sensor(sensor: SensorSettings) -> tuple[str, ...]:
+    """InputError for a stream profile, a preset or a crop that the camera does not have; what to say of the preset."""
+    full = sensor.rig.intrinsics
     reduced = decimated_intrinsics(full, sensor.decimation)
     if sensor.crop is not None:
         crop_centre(np.zeros((1, reduced.height, reduced.width), np.uint16), reduced, sensor.crop)
+    ignored = load_preset(sensor.preset).ignored
+    return (f"{sensor.preset}: no counterpart, ignored: {', '.join(ignored)}",) if ignored else ()
+
+
+def mounted(parameters: Parameters, sensor: SensorSettings) -> Parameters:
+    """The planner's parameters for this sensor: its mount alone says how the camera is turned."""
+    if parameters.roll_deg not in (0.0, sensor.roll_deg):
+        raise InputError(
+            f"parameters.roll_deg {parameters.roll_deg:g}: the sensor is turned by {sensor.roll_deg:g} deg; give "
+            "sensor.roll_deg alone, the planner takes it from there"
+        )
+    return parameters.model_copy(update={"roll_deg": sensor.roll_deg})
+
+
+def with_sensor_resolved(settings: AnyModel) -> AnyModel:
+    """Settings or a study's preset with the content of the sensor's preset file in place of its path."""
+    sensor: Any = getattr(settings, "sensor")  # noqa: B009 (of models that have one)
+    return settings.model_copy(update={"sensor": sensor.resolved()})
+
+
+def preset_files(name: str, sensor: SensorSettings) -> list[Path]:
+    """The files that a study reads: its preset, unless it is one of ours, and the sensor's."""
+    return [Path(text) for text, is_file in ((name, True), (sensor.preset, is_file_name(sensor.preset))) if is_file]
 
 
 def resolved(settings: AnySubject) -> AnySubject:
     """The settings that decide the result: input files by name and content, not by where they lie."""
     files = {name: path for name in ("mesh", "materials_file") if (path := getattr(settings, name)) is not None}
     names = {name: Path(path.name) for name, path in files.items()}
-    return settings.model_copy(update={**names, "digests": {name: file_digest(path) for name, path in files.items()}})
+    digests = {name: file_digest(path) for name, path in files.items()}
+    return with_sensor_resolved(settings).model_copy(update={**names, "digests": digests})
 
 
-def _from_file(settings: SubjectSettings, path: Path, user: UserMaterials) -> Subject:
+def _from_file(settings: SubjectSettings, path: Path, user: UserMaterials, notices: tuple[str, ...]) -> Subject:
     part = load_user_part(path, settings.units, part_materials(settings.material, user), settings.up)
     scene = scene_on_table(part.name, part.bodies, settings.lamps, room=settings.room)
-    return Subject(f"{path.name}, {', '.join(settings.material)}", scene, part.notices)
+    return Subject(f"{path.name}, {', '.join(settings.material)}", scene, (*part.notices, *notices))
 
 
-def _coupon(settings: SubjectSettings, coupon: str, user: UserMaterials) -> Subject:
+def _coupon(settings: SubjectSettings, coupon: str, user: UserMaterials, notices: tuple[str, ...]) -> Subject:
     if len(settings.material) != 1:
         raise InputError(f"{coupon}: a coupon needs one material; give --material metal:finish")
     scene = coupon_scene(coupon, material(settings.material[0], user), settings.lamps, room=settings.room)
-    return Subject(f"{coupon.replace('_', ' ').capitalize()}, {settings.material[0]}", scene)
+    return Subject(f"{coupon.replace('_', ' ').capitalize()}, {settings.material[0]}", scene, notices)

@@ -15,7 +15,7 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.candidates import candidate_poses
 from franbv.evaluation import TOLERANCE
-from franbv.frames import back_project, look_at
+from franbv.frames import back_project, look_at, rolled
 from franbv.model import Model, model_with
 from franbv.parameters import Parameters
 from franbv.planners import Planner, pb
@@ -190,7 +190,8 @@ def hemisphere_poses(state: State, recovery: RecoveryPoses, parameters: Paramete
     far = parameters.stand_off + state.model.object.box.half_diagonal
     half = count // 2
     shells = ((near, upper_directions(half)), (far, upper_directions(count - half)))
-    return [look_at(target + radius * out, target) for radius, directions in shells for out in directions]
+    eyes = (target + radius * out for radius, directions in shells for out in directions)
+    return [rolled(look_at(eye, target), parameters.roll_deg) for eye in eyes]
 
 
 def _near_cloud(surface: Surface, cloud: Float[np.ndarray, "n 3"]) -> np.ndarray:

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
-from franbv.frames import look_at
+from franbv.frames import look_at, rolled
 from franbv.parameters import Parameters
 from materials.catalog import material
 from materials.material import Matte
@@ -26,6 +26,7 @@ from scenes.reference_points import part_box
 from scenes.scene import Scene
 from studies.base.case_folder import case_digest
 from studies.base.config import Config
+from studies.run.scene_settings import mounted
 from studies.sensitivity.preset import OWN, Light, SensitivityPreset, Sweep
 
 CASE, TWIN = "sensitivity 3", "sensitivity twin 2"
@@ -134,12 +135,12 @@ def _cases(preset: SensitivityPreset, sweep: Sweep) -> Iterator[CaseConfig]:
             seed=seed,
             lights=sweep.lights(),
             n_frames=preset.n_frames,
-            sensor=preset.sensor,
+            sensor=preset.sensor.resolved(),
             glossy_paths=preset.glossy_paths,
             other_paths=preset.other_paths,
             recovery=sweep.recovery,
             hemisphere_poses=sweep.hemisphere_poses,
-            parameters=preset.parameters.model_copy(update={"n_frames": preset.n_frames}),
+            parameters=mounted(preset.parameters, preset.sensor).model_copy(update={"n_frames": preset.n_frames}),
         )
 
 
@@ -177,13 +178,14 @@ def plain_paths(paths: int) -> dict[str, Any]:
 
 
 def look_pose(look: Look, scene: Scene) -> RigidTransform:
-    """Pose T_world_cam: at the polar angle, azimuth and distance from the subject's middle, looking at it, upright."""
+    """Pose T_world_cam: at the polar angle, azimuth and distance from the subject's middle, looking at it, turned as
+    the sensor's mount has it."""
     middle = subject_middle(look.subject, scene)
     polar, azimuth = np.radians([look.polar_deg, look.azimuth_deg])
     outward = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
     eye = middle + look.distance_m * (np.sin(polar) * outward + [0.0, 0.0, np.cos(polar)])
     # Straight down there is no upright: the image's top then points where it points at every other polar angle.
-    return look_at(eye, middle, -outward if look.polar_deg == 0 else None)
+    return rolled(look_at(eye, middle, -outward if look.polar_deg == 0 else None), look.sensor.roll_deg)
 
 
 def subject_middle(subject: str, scene: Scene) -> Float[np.ndarray, "3"]:

@@ -10,12 +10,15 @@ import tyro
 from studies.base.case_folder import finished_case
 from studies.base.console import say, say_json, warn
 from studies.base.flags import parse
+from studies.base.inputs import check_not_overwritten
 from studies.base.output_errors import prepare_output
+from studies.run.scene_settings import preset_files, with_sensor_resolved
+from studies.run.stored_run import REPORT
 from studies.sensitivity.cases import CaseConfig, sweep_cases
 from studies.sensitivity.measurement import CASES, TWINS, CaseTask, TwinTask, do_case, do_twin
-from studies.sensitivity.plan import write_plan
+from studies.sensitivity.plan import PLAN, write_plan
 from studies.sensitivity.preset import SensitivityPreset
-from studies.sensitivity.tables import gather, summary, write_tables
+from studies.sensitivity.tables import TABLES, gather, summary, write_tables
 from studies.work.workers import Failure, Job, limit_renderer, run_jobs, worker_count
 
 PROGRAM = "franbv study sensitivity"
@@ -40,9 +43,12 @@ def run(args: list[str]) -> int:
     """Measure what is missing, then build tables and report from all cases."""
     began = time.perf_counter()
     command = parse(SensitivityCommand, args, PROGRAM, HELP)
-    preset = SensitivityPreset.named(command.preset)
+    named = SensitivityPreset.named(command.preset)
+    preset = with_sensor_resolved(named)
     wanted = sweep_cases(preset)
     workers = worker_count(command.workers)
+    written = (PLAN, REPORT, *(f"{table}.parquet" for table in TABLES))
+    check_not_overwritten(preset_files(command.preset, named.sensor), map(command.out.joinpath, written))
     prepare_output(command.out)
     plan = write_plan(command.out, preset.title, preset, [(case.sweep, case.config.digest) for case in wanted])
     failures = measure(command.out, [case.config for case in wanted], workers)

@@ -89,7 +89,8 @@ def recovery_rows(
         return {}, []
     pose, parameters = view.measurement.T_world_cam, config.parameters
     camera = view.camera.changed(**plain_paths(config.other_paths))
-    scout, arm = camera.changed(**SCOUT_SAMPLING), SimulatedArm.around(camera.world.source.part_mesh())
+    scout, part, sensor = camera.changed(**SCOUT_SAMPLING), camera.world.source.part_mesh(), config.sensor
+    arm = SimulatedArm.around(part, model=sensor.model, roll_deg=sensor.roll_deg)
     planner = fra()
     assert planner.recovery is not None
     region = planned.detection.boxes[0]

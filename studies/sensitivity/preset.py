@@ -15,7 +15,7 @@ from scenes.build import COUPONS
 from scenes.lamps import LIGHTING_NAMES
 from scenes.parts import PART_NAMES
 from studies.base.config import Config, Preset
-from studies.run.scene_settings import check_sensor
+from studies.run.scene_settings import check_sensor, mounted
 
 OWN = "own"
 """Material of a part whose bodies keep what the real things are made of."""
@@ -136,4 +136,5 @@ class SensitivityPreset(Preset):
         if self.sensor.imager.laser_power_mw != ImagerSettings().laser_power_mw:
             raise ValueError("the laser power belongs into the sweeps, as lasers_mw")
         check_sensor(self.sensor)
+        mounted(self.parameters, self.sensor)
         return self

@@ -28,11 +28,13 @@ class RoughnessCurve:
     distance_m: float
     points: tuple[tuple[float, Estimate], ...]
     """(alpha, share over seeds and metals), rising alpha."""
+    baseline: float = BASELINE
+    """Of the camera [m]."""
 
     @property
     def theory(self) -> float:
         """B / (2 Z) [-]."""
-        return BASELINE / (2 * self.distance_m)
+        return self.baseline / (2 * self.distance_m)
 
     @property
     def bend_share(self) -> float:
@@ -51,14 +53,16 @@ class RoughnessCurve:
         return None
 
 
-def roughness_curves(rows: Sequence[Row]) -> list[RoughnessCurve]:
-    """One curve per subject and distance, of the rows whose roughness was given as a number."""
+def roughness_curves(rows: Sequence[Row], baseline: float = BASELINE) -> list[RoughnessCurve]:
+    """One curve per subject and distance, of the rows whose roughness was given as a number. baseline: [m]."""
     shares: dict[tuple[str, float], dict[float, list[float]]] = defaultdict(lambda: defaultdict(list))
     for row in rows:
         share = pooled([row["facing_unusable"]], [row["facing_pixels"]])
         if row["main_light"] and row["metal"] and row["finish"] is None and share is not None:
             shares[row["subject"], row["distance_m"]][row["alpha_u"]].append(share)
     return [
-        RoughnessCurve(subject, distance, tuple((alpha, mean_share(by_alpha[alpha])) for alpha in sorted(by_alpha)))
+        RoughnessCurve(
+            subject, distance, tuple((alpha, mean_share(by_alpha[alpha])) for alpha in sorted(by_alpha)), baseline
+        )
         for (subject, distance), by_alpha in sorted(shares.items())
     ]

@@ -28,11 +28,11 @@ def write_png(path: Path, image: np.ndarray) -> None:
 
 
 def read_png(path: Path) -> np.ndarray:
-    """The image as it was written, (h, w) or (h, w, 3) red, green, blue."""
+    """The image as it was written, (h, w), (h, w, 3) red, green, blue, or (h, w, 4) with alpha."""
     image = cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_UNCHANGED)
     if image is None:
         raise ValueError(f"{path}: not an image")
-    return image[..., ::-1] if image.ndim == 3 else image
+    return image[..., [2, 1, 0, *range(3, image.shape[2])]] if image.ndim == 3 else image
 
 
 def millimetres(depth: Float[np.ndarray, "h w"]) -> UInt16[np.ndarray, "h w"]:

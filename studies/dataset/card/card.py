@@ -4,7 +4,7 @@ from pathlib import Path
 
 from render.depth.decimation import block_centre_intrinsics
 from render.labels.outcome import LEAST_FALSE, SIGMAS, SUBPIXEL_RMS
-from render.world.rig import d435i_rig
+from render.world.rig import CAMERA_MODELS
 from studies.base.atomic_file import write_atomically
 from studies.dataset.card.card_tables import (
     bars,
@@ -19,6 +19,7 @@ from studies.dataset.card.card_tables import (
     shares_table,
 )  # fmt: skip
 from studies.dataset.card.factors import factors
+from studies.dataset.config import Camera
 from studies.dataset.format.finished_scenes import Gathered, gather
 from studies.dataset.format.folders import CARD, DATASET, INDEX, MANIFEST, SCENE, SPLIT
 from studies.store.images import MM
@@ -66,9 +67,9 @@ def _lead(data: Gathered) -> str:
     return (
         f"{counted(data.views, 'rendered views')} of {counted(len(data.draws), 'scenes')}, {frames}: infrared pair, "
         "depth with its holes, the cause of every hole, false depth, and the truth behind every pixel. The camera is a "
-        "simulated RealSense D435i; light is traced at 850 nm from measured optical constants. Nothing was "
-        "photographed. Caustics are not rendered, metals have no wear or dirt, and parts in piles rest flat, up to "
-        "2 mm above what carries them."
+        f"simulated {CAMERA_MODELS[data.config.camera.model].title}; light is traced at 850 nm from measured optical "
+        "constants. Nothing was photographed. Caustics are not rendered, metals have no wear or dirt, and parts in "
+        "piles rest flat, up to 2 mm above what carries them."
     )
 
 
@@ -76,7 +77,7 @@ def camera_facts(data: Gathered) -> str:
     """Sizes, intrinsics and what depth means."""
     k, lines = data.config.camera, []
     for name in sorted(name for name, weight in k.profiles.items() if weight):
-        rig = d435i_rig(name)
+        rig = k.rig(name)
         full, reduced = rig.intrinsics, block_centre_intrinsics(rig.intrinsics, k.decimation)
         lines += [
             f"- Images of {full.width} x {full.height} pixels: fx = fy = {full.fx:g}, cx = {full.cx:g}, "
@@ -88,17 +89,23 @@ def camera_facts(data: Gathered) -> str:
     return "\n".join(
         [
             *lines,
-            f"- The right imager stands {MM * d435i_rig().baseline:g} mm to the right of the left one, in parallel and "
-            "with the same intrinsics; rows of the pair are aligned.",
+            f"- The right imager stands {MM * CAMERA_MODELS[k.model].baseline:g} mm to the right of the left one, in "
+            "parallel and with the same intrinsics; rows of the pair are aligned.",
             "- Depth is Z along the optical axis of the left imager, not the distance; x points right, y down. "
             "Whole millimetres, 0 = none.",
-            f"- Stereo matcher: {k.matcher}.",
+            f"- Stereo matcher: {k.matcher}{_preset_words(k)}.",
         ]
     )
 
 
+def _preset_words(k: Camera) -> str:
+    """What the camera has of its own: preset and mount."""
+    preset = "" if k.preset == "default" else f", preset {k.preset}"
+    return preset + (f". The camera is turned by {k.roll_deg:g} deg in its mount" if k.roll_deg else "")
+
+
 def _labels(data: Gathered) -> str:
-    rig = d435i_rig(next(name for name, weight in sorted(data.config.camera.profiles.items()) if weight))
+    rig = data.config.camera.rig(next(name for name, weight in sorted(data.config.camera.profiles.items()) if weight))
     sigma = MM * SUBPIXEL_RMS * 0.5**2 / rig.focal_baseline
     return (
         "Every pixel without depth has exactly one cause. It was found by changing one thing at a time in the "

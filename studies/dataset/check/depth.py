@@ -9,7 +9,7 @@ from franbv.sensing import median_depth
 from render.depth.coding import metres_from_z16, z16_from_disparity
 from render.depth.decimation import decimate, pixel_blocks
 from render.labels.labels import most_frequent_cause
-from render.matcher.by_name import matcher_by_name
+from render.matcher.interface import StereoMatcher
 from render.world.rig import Rig
 from studies.dataset.check.images import LEAST_AGREEMENT, Fault, Images, false_limit
 from studies.dataset.format.layers import decoded_layer
@@ -21,13 +21,15 @@ BLOCK_ROUNDING = 1.1e-3
 Frames = UInt16[np.ndarray, "n h w"]
 
 
-def pair_faults(images: Images, frames: Frames | None, n_frames: int, matcher: str, rig: Rig) -> Iterator[Fault]:
+def pair_faults(
+    images: Images, frames: Frames | None, n_frames: int, matcher: StereoMatcher, rig: Rig
+) -> Iterator[Fault]:
     """The infrared pair, matched again, gives the view's first frame.
 
     frames: single depth frames [mm]; None where they are not kept. Then a pixel without depth in all frames, or in
     none, must be so in the first one too.
     """
-    disparity = matcher_by_name(matcher).match(images["gray"], images["gray_right"])
+    disparity = matcher.match(images["gray"], images["gray_right"])
     first = z16_from_disparity(disparity[None], rig.focal_baseline)[0]
     if frames is not None:
         differ = first != frames[0]

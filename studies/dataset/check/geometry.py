@@ -66,9 +66,10 @@ Maps = tuple[Bool[np.ndarray, "h w"], Bool[np.ndarray, "h w"]]
 
 
 def _out_of_range(true: Float[np.ndarray, "h w"], rig: Rig) -> Maps:
-    """Nothing there, or nearer than Min-Z; Max-Z is infinite."""
+    """Nothing there, nearer than Min-Z, or beyond Max-Z."""
     nothing, margin = true == 0, DEPTH_TRUE_ROUNDING
-    return nothing | (true < rig.min_z - margin), nothing | (true < rig.min_z + margin)
+    surely = (true < rig.min_z - margin) | (true > rig.max_z + margin)
+    return nothing | surely, nothing | (true < rig.min_z + margin) | (true > rig.max_z - margin)
 
 
 def _no_overlap(true: Float[np.ndarray, "h w"], rig: Rig) -> Maps:

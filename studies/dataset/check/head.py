@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from render.world.rig import d435i_rig
 from scenes.scene import Mesh
 from studies.dataset.check.draw import Pool, difference
 from studies.dataset.config import DatasetConfig
@@ -68,7 +67,7 @@ def table_problems(top: dict[str, Any], config: DatasetConfig, pool: Pool | None
 
 def camera_problems(root: Path, config: DatasetConfig) -> Iterator[str]:
     """`camera.json` is of a stream profile that is drawn, in pixels and millimetres."""
-    drawn = [d435i_rig(name).intrinsics for name, weight in config.camera.profiles.items() if weight]
+    drawn = [config.camera.rig(name).intrinsics for name, weight in config.camera.profiles.items() if weight]
     if read_json(root / CAMERA) not in [bop.camera_file(k) for k in drawn]:
         yield f"{CAMERA}: is not of a stream profile that is drawn"
 

@@ -61,6 +61,8 @@ def depth_faults(images: Images, rig: Rig, n_frames: int) -> Iterator[Fault]:
     measured, wrong = depth > 0, images["false_depth"] > 0
     if measured.any() and depth[measured].min() < rig.min_z - ROUNDING:
         yield "depth", f"is nearer than Min-Z, {MM * rig.min_z:.0f} mm"
+    if measured.any() and depth[measured].max() > rig.max_z + ROUNDING:
+        yield "depth", f"is beyond Max-Z, {MM * rig.max_z:.0f} mm"
     limit = false_limit(true, rig)
     error = np.abs(depth - true)
     if np.any(measured & wrong & (true > 0) & (error < limit - ROUNDING)):

@@ -7,7 +7,6 @@ import numpy as np
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
-from render.world.rig import d435i_rig
 from studies.dataset.draw.draw import SceneDraw
 from studies.store.images import MM
 
@@ -26,10 +25,9 @@ def is_pose(matrix: np.ndarray) -> bool:
 
 
 def pose_faults(
-    draw: SceneDraw, number: int, camera: dict[str, Any], poses: list[dict[str, Any]]
+    draw: SceneDraw, number: int, camera: dict[str, Any], poses: list[dict[str, Any]], k: Intrinsics
 ) -> Iterator[tuple[str, str]]:
-    """BOP's matrices are those that were drawn, in millimetres."""
-    k: Intrinsics = d435i_rig(draw.profile).intrinsics
+    """BOP's matrices are those that were drawn, in millimetres. k: of the drawn profile."""
     pose = RigidTransform.from_matrix(np.array(draw.views[number].T_world_cam)).inv()
     if camera["cam_K"] != k.matrix.ravel().tolist():
         yield "scene_camera.json", f"cam_K is not that of the profile {draw.profile}"

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from render.depth.decimation import block_centre_intrinsics
-from render.world.rig import d435i_rig
 from studies.base.atomic_file import file_digest
 from studies.dataset.check.draw import Pool, difference, draw_faults, drawn_again
 from studies.dataset.check.poses import is_pose, pose_faults
@@ -137,7 +136,7 @@ def check_contents(check: SceneCheck, manifest: dict[str, Any]) -> None:
     said = SceneSaid(check.folder, check.config, draw, scene["bodies"], check_drawn_again(check, scene))
     annotations = []
     for number in range(check.views):
-        for name, what in pose_faults(draw, number, camera[str(number)], poses[str(number)]):
+        for name, what in pose_faults(draw, number, camera[str(number)], poses[str(number)], said.rig.intrinsics):
             check.report(name, f"view {number}: {what}")
         annotations.append(check_images(check, said, ViewSaid(number, info[str(number)], statistics[str(number)])))
     if None not in annotations:
@@ -170,7 +169,7 @@ def check_drawn_again(check: SceneCheck, scene: dict[str, Any]) -> BuiltScene | 
 
 def check_coco(check: SceneCheck, draw: SceneDraw, coco: dict[str, Any], annotations: list) -> None:
     """The file is what masks and draw give."""
-    k = d435i_rig(draw.profile).intrinsics
+    k = check.config.camera.rig(draw.profile).intrinsics
     names = {int(entry["obj_id"]): str(entry["name"]) for entry in check.objects}
     if what := difference(coco, bop.coco_file(names, (k.width, k.height), annotations), ""):
         check.report("scene_gt_coco.json", what)
@@ -188,7 +187,7 @@ def check_file_names(check: SceneCheck, n_objects: int) -> None:
 
 def check_draw(check: SceneCheck, draw: SceneDraw, scene: dict[str, Any]) -> None:
     """Rig and exposure are the camera's; every pose is one."""
-    rig = d435i_rig(draw.profile)
+    rig = check.config.camera.rig(draw.profile)
     reduced = block_centre_intrinsics(rig.intrinsics, check.config.camera.decimation)
     if scene["baseline_m"] != rig.baseline:
         check.report(SCENE, f"the baseline is {scene['baseline_m']} m, not {rig.baseline} m")

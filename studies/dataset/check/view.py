@@ -9,7 +9,8 @@ import numpy as np
 from jaxtyping import Bool
 from scipy.spatial.transform import RigidTransform
 
-from render.world.rig import Rig, d435i_rig
+from render.d435i import SensorSettings
+from render.world.rig import Rig
 from studies.dataset.check.depth import decimation_faults, frame_faults, pair_faults
 from studies.dataset.check.draw import difference
 from studies.dataset.check.geometry import cause_faults, place_faults
@@ -42,9 +43,14 @@ class SceneSaid:
     """As the configuration gives it; None where it cannot be drawn again."""
 
     @property
+    def sensor(self) -> SensorSettings:
+        """The camera at the drawn profile."""
+        return self.config.camera.sensor(self.draw.profile)
+
+    @property
     def rig(self) -> Rig:
         """Of the drawn profile."""
-        return d435i_rig(self.draw.profile)
+        return self.sensor.rig
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +106,9 @@ def image_faults(scene: SceneSaid, number: int, images: Images) -> Iterator[Faul
     frames = read_frames(scene, number, images["depth"])
     if frames is not None:
         yield from frame_faults(images, frames)
-    yield from pair_faults(images, frames, config.n_frames, config.camera.matcher, rig)
+    yield from pair_faults(
+        images, frames, config.n_frames, config.camera.sensor(scene.draw.profile).stereo_matcher, rig
+    )
     yield from decimation_faults(images, frames, config.camera.decimation, rig)
     yield from cause_faults(images, rig)
     if scene.built is not None:

@@ -65,18 +65,12 @@ def build_scene(draw: SceneDraw, pool: Sequence[PoolObject], user: UserMaterials
 
 
 def sensor_settings(config: DatasetConfig, draw: SceneDraw) -> SensorSettings:
-    """The camera of a drawn scene; depth is kept whole."""
+    """The camera of a drawn scene."""
     imager = ImagerSettings(laser_power_mw=draw.laser_mw)
     if draw.exposure_us is not None:
         imager = imager.model_copy(update={"exposure_us": draw.exposure_us})
-    return SensorSettings(
-        profile=draw.profile,
-        decimation=config.camera.decimation,
-        crop=None,
-        matcher=config.camera.matcher,
-        imager=imager,
-        auto_exposure=draw.exposure_us is None,
-    )
+    camera = config.camera.sensor(draw.profile)
+    return camera.model_copy(update={"imager": imager, "auto_exposure": draw.exposure_us is None})
 
 
 def material_classes(user: UserMaterials = NO_USER_MATERIALS) -> tuple[str, ...]:

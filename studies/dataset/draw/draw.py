@@ -8,10 +8,10 @@ from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
-from scipy.spatial.transform import RigidTransform, Rotation
+from scipy.spatial.transform import RigidTransform
 from scipy.stats import qmc
 
-from franbv.frames import look_at
+from franbv.frames import look_at, rolled
 from studies.base.config import Config
 from studies.dataset.config import Camera, DatasetConfig, Views
 from studies.dataset.draw.objects import PoolObject
@@ -59,6 +59,7 @@ class ViewDraw(Config):
     elevation_deg: float
     distance_m: float
     roll_deg: float
+    """The mount's and what was drawn."""
     aim_m: tuple[float, float, float]
     T_world_cam: Matrix
     """Pose of the left imager, the depth frame."""
@@ -164,7 +165,8 @@ def draw_views(
         first, last = (_place(config.poses, rng) for _ in range(2))
         last[0] = first[0] + rng.uniform(*TRAJECTORY_SPAN_DEG) * rng.choice([-1, 1])
         places = [first + (last - first) * k / max(n - 1, 1) for k in range(n)]
-    return tuple(_view(place, middle, boxes) for place in places[: config.views_of(scene)])
+    mount = np.array([0.0, 0.0, 0.0, config.camera.roll_deg, 0.0, 0.0, 0.0])
+    return tuple(_view(place + mount, middle, boxes) for place in places[: config.views_of(scene)])
 
 
 def _place(poses: Views, rng: np.random.Generator) -> Float[np.ndarray, "7"]:
@@ -190,15 +192,14 @@ def _view(
     target = middle + aim
     while any(_distance(target + distance * outward, box) < CLEARANCE for box in boxes):
         distance += STEP_BACK
-    pose = look_at(target + distance * outward, target)
-    turn = RigidTransform.from_rotation(Rotation.from_euler("z", roll, degrees=True))
+    pose = rolled(look_at(target + distance * outward, target), roll)
     return ViewDraw(
         azimuth_deg=azimuth % 360,
         elevation_deg=elevation,
         distance_m=distance,
         roll_deg=roll,
         aim_m=(aim[0], aim[1], aim[2]),
-        T_world_cam=matrix(pose * turn),
+        T_world_cam=matrix(pose),
     )
 
 

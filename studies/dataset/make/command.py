@@ -16,6 +16,7 @@ from materials.input_error import InputError
 from studies.base.config import validated
 from studies.base.console import say, say_json, warn
 from studies.base.flags import parse
+from studies.base.inputs import check_outside
 from studies.base.output_errors import output_errors, prepare_output
 from studies.base.single_case import versions
 from studies.dataset.card.card import write_card
@@ -24,7 +25,7 @@ from studies.dataset.draw.objects import PoolObject, check_body_count, object_po
 from studies.dataset.format.folders import DATASET, MODELS, SPLIT, WORK, read_json, removed_at_once, scene_name
 from studies.dataset.format.index import scene_folders, write_index
 from studies.dataset.format.scene_files import is_of
-from studies.dataset.make.manifest import check_same, dataset_digest, input_digests, write_head
+from studies.dataset.make.manifest import check_same, dataset_digest, input_digests, input_files, write_head
 from studies.dataset.make.resume import agreed_maker, scene_makers, sound_scenes
 from studies.dataset.make.scene_case import SceneTask, make_scene, maker
 from studies.work.cluster import Cluster, connected
@@ -71,6 +72,7 @@ def run(args: list[str]) -> int:
         warn(f"{PROGRAM}: {notice}")
     check_body_count(config, pool)
     root = command.dir.resolve()
+    check_outside(input_files(command.config, config), root)
     scheduler = connected(command.scheduler, command.resource) if command.scheduler else contextlib.nullcontext()
     with scheduler as cluster:  # before anything is written
         prepare_output(root)

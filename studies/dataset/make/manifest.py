@@ -7,7 +7,6 @@ from typing import Any, cast
 from materials.input_error import InputError
 from materials.user_materials import UserMeasured
 from render.labels.causes import LEGEND, Cause
-from render.world.rig import d435i_rig
 from studies.base.atomic_file import file_digest, write_atomically
 from studies.base.case_folder import canonical_json, case_digest
 from studies.dataset.config import DatasetConfig, with_files
@@ -48,6 +47,13 @@ def measured_digests(config: DatasetConfig) -> dict[str, str]:
     return {name: file_digest(cast(UserMeasured, user[name]).file) for name in measured_names(config)}
 
 
+def input_files(name: str, config: DatasetConfig) -> list[Path]:
+    """The files that a loaded configuration was read from and that scenes are made of. name: as it was loaded by."""
+    own = [] if name == "default" else [Path(name)]
+    measured = [entry.file for entry in config.materials.user.values() if isinstance(entry, UserMeasured)]
+    return [*own, *(cad.file for cad in config.objects.cad), *measured]
+
+
 def input_digests(config: DatasetConfig, pool: Sequence[PoolObject]) -> dict[str, str]:
     """Hashes of the CAD and BSDF files that scenes are made of, by file name."""
     cad = {str(thing.name): thing.digest for thing in pool if thing.digest}
@@ -76,7 +82,7 @@ def write_head(root: Path, config: DatasetConfig, pool: Sequence[PoolObject]) ->
     files = {f"{MODELS}/obj_{o.number:06d}.ply": bop.model_ply(o.mesh) for o in pool}
     files[f"{MODELS}/models_info.json"] = compact_json({o.number: bop.model_info(o.mesh) for o in pool})
     profiles = sorted(name for name, weight in config.camera.profiles.items() if weight)
-    k = d435i_rig(profiles[0]).intrinsics
+    k = config.camera.rig(profiles[0]).intrinsics
     files[CAMERA] = compact_json(bop.camera_file(k))
     (root / MODELS).mkdir(exist_ok=True)
     for name, data in files.items():

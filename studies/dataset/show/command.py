@@ -15,6 +15,7 @@ from materials.input_error import InputError
 from render.labels.causes import HOLES, LEGEND, Cause, members
 from render.labels.outcome import LEAST_FALSE
 from render.world.bsdf import is_diffuse
+from render.world.rig import CAMERA_MODELS
 from studies.base.atomic_file import write_atomically
 from studies.base.console import say, say_json
 from studies.base.flags import parse
@@ -59,6 +60,8 @@ def run(args: list[str]) -> int:
         raise InputError(f"--views {command.views}: give 1 or more")
     root = existing_dataset(command.dir).resolve()
     out = command.out or root.with_name(f"{root.name}.html")
+    if out.resolve().is_relative_to(root):
+        raise InputError(f"{out}: lies in the dataset, which holds nothing but itself; choose another --out")
     try:
         page = page_html(root, command.views)
     except UNREADABLE as error:
@@ -108,6 +111,7 @@ def page_html(root: Path, n_shown: int) -> str:
         .get_template("dataset.html.j2")
         .render(
             title=data.config.title,
+            camera=CAMERA_MODELS[data.config.camera.model].title,
             seed=data.config.seed,
             views=data.views,
             lead=_lead(data),

@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from materials.finishes import FINISHES
 from render.labels.causes import LEGEND
+from render.world.rig import CAMERA_MODELS
 from studies.base.atomic_file import write_atomically
 from studies.base.numbers_as_text import percent
 from studies.drawing.cause_figure import css_colour
@@ -58,7 +59,8 @@ def write_sensitivity_report(out: Path, plan: Plan, tables: Tables) -> Path:
 def sensitivity_html(plan: Plan, tables: Tables) -> str:
     """The whole page."""
     figures, main = summary(tables), main_rows(tables)
-    mapped, curves = mapped_rows(main), roughness_curves(main)
+    baseline = CAMERA_MODELS[plan.preset.get("sensor", {}).get("model", "d435i")].baseline
+    mapped, curves = mapped_rows(main), roughness_curves(main, baseline)
     against_angle, repeated = angle_curves(main)
     found = distrusts(main)
     return (

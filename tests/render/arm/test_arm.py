@@ -8,19 +8,11 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from franbv.frames import look_at
 from materials.input_error import InputError
 from render.arm.arm import CLEARANCE, ArmLimits, SimulatedArm, motion_time, trapezoidal_time
-from render.arm.camera_body import (
-    BALL_CENTRE,
-    BALL_RADIUS,
-    CAMERA_BOX,
-    WRIST_AXIS,
-    WRIST_RADIUS,
-    box_corners,
-    box_distance,
-    wrist_distance,
-)
+from render.arm.camera_body import CAMERA_BODIES, WRIST_RADIUS
 from render.arm.solid import Solid
 from scenes.scene import Mesh
 
+BODY = CAMERA_BODIES["d435i"]
 BLOCK = (0.2, 0.1, 0.08)
 """Sides of the block that stands on the table [m]."""
 
@@ -54,14 +46,14 @@ def test_views_on_a_hemisphere_are_free(arm, polar_deg):
 
 def test_front_may_come_within_the_clearance_and_no_nearer(arm):
     """Looking down, the housing's front is 4.3 mm below the depth origin: contact starts at 80 + 4.3 + 5 mm."""
-    limit = BLOCK[2] + CAMERA_BOX[1, 2] + CLEARANCE
+    limit = BLOCK[2] + BODY.box[1, 2] + CLEARANCE
     assert arm.obstacle(above(limit + 2e-4)) is None
     assert arm.obstacle(above(limit - 2e-4)) == "touches part"
 
 
 def test_housing_reaches_farther_to_the_right_than_to_the_left():
     """The left imager is 17.5 mm left of the middle: 62.5 mm of housing on its right, 27.5 mm on its left."""
-    np.testing.assert_allclose(CAMERA_BOX[:, 0], [-0.0275, 0.0625])
+    np.testing.assert_allclose(BODY.box[:, 0], [-0.0275, 0.0625])
     slab = SimulatedArm.around(block(size=(0.02, 0.4, 0.3)))
     along_the_slab = look_at(np.array([0.0, 0.0, 0.25]), np.array([0.0, 0.5, 0.25]))  # image x axis is world +x
     for x, expected in ((0.055, None), (-0.055, "touches part")):
@@ -115,7 +107,7 @@ def test_slower_of_way_and_turn_decides():
     start = above(0.5)
     shifted = RigidTransform.from_translation([0.0, 1.0, 0.0]) * start
     assert motion_time(start, shifted, limits) == pytest.approx(1 / 1.25 + 1.25 / 2.5)
-    wrist = RigidTransform.from_translation(WRIST_AXIS[1])
+    wrist = RigidTransform.from_translation(BODY.wrist_axis[1])
     about_wrist = wrist * RigidTransform.from_rotation(Rotation.from_euler("z", np.pi)) * wrist.inv()
     assert motion_time(start, start * about_wrist, limits) == pytest.approx(180 / 200 + 200 / 400)
 
@@ -124,19 +116,21 @@ def test_body_distances_against_dense_samples():
     """Closed-form distances agree with the nearest of many points spread through the solids."""
     rng = np.random.default_rng(0)
     queries = rng.uniform(-0.15, 0.15, (40, 3)) + np.array([0.0, 0.0, -0.08])
-    inside_box = rng.uniform(*CAMERA_BOX, (200_000, 3))
+    inside_box = rng.uniform(*BODY.box, (200_000, 3))
     spheres = rng.normal(size=(200_000, 3))
     spheres *= WRIST_RADIUS * rng.random((200_000, 1)) ** (1 / 3) / np.linalg.norm(spheres, axis=1, keepdims=True)
-    inside_wrist = spheres + WRIST_AXIS[0] + rng.random((200_000, 1)) * (WRIST_AXIS[1] - WRIST_AXIS[0])
-    for distance, inside in ((box_distance, inside_box), (wrist_distance, inside_wrist)):
+    inside_wrist = spheres + BODY.wrist_axis[0] + rng.random((200_000, 1)) * (BODY.wrist_axis[1] - BODY.wrist_axis[0])
+    for distance, inside in ((BODY.box_distance, inside_box), (BODY.wrist_distance, inside_wrist)):
         nearest = np.array([np.linalg.norm(inside - query, axis=1).min() for query in queries])
         np.testing.assert_allclose(distance(queries), nearest, atol=0.006)
 
 
-def test_ball_holds_the_whole_body():
+@pytest.mark.parametrize("model", CAMERA_BODIES)
+def test_ball_holds_the_whole_body(model):
     """The ball that preselects surface points encloses housing and wrist."""
-    assert np.linalg.norm(box_corners() - BALL_CENTRE, axis=1).max() < BALL_RADIUS
-    assert np.linalg.norm(WRIST_AXIS - BALL_CENTRE, axis=1).max() + WRIST_RADIUS < BALL_RADIUS
+    body = CAMERA_BODIES[model]
+    assert np.linalg.norm(body.corners - body.ball_centre, axis=1).max() < body.ball_radius
+    assert np.linalg.norm(body.wrist_axis - body.ball_centre, axis=1).max() + WRIST_RADIUS < body.ball_radius
 
 
 def test_winding_number_of_nested_and_open_meshes():

@@ -61,7 +61,7 @@ def test_shift_units_and_bypass(tmp_path):
     """Disparity shift is in pixels and depth units in micrometres; `usersm` 0 switches the neighbour count off."""
     content = {"param-disparityshift": "40", "param-zunits": "100", "param-usersm": "0"}
     preset = preset_from_file(write(tmp_path / "d.json", content))
-    assert preset.matcher().shift == 40
+    assert preset.shift == 40
     assert preset.depth_unit == pytest.approx(1e-4)
     assert preset.settings.neighbour_least == 0
 
