@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -25,10 +25,12 @@ from studies.comparison.report.page import write_comparison_report
 from studies.comparison.statistics import Comparison
 from studies.comparison.summary import failed_runs, json_summary, paragraph
 from studies.run.ablation import ABLATIONS
-from studies.run.stored_run import REPORT
+from studies.run.stored_run import REPORT, StoredRun
 from studies.store.tables import write_rows
+from studies.work.executor import Executor, WorkFlags, check_alike, executor_of, exit_status, reasons_once
+from studies.work.maker import Maker
 from studies.work.study_clock import StudyClock
-from studies.work.workers import Failure, Job, limit_renderer, run_jobs, worker_count
+from studies.work.workers import Failure, Job, run_jobs
 
 PROGRAM = "franbv study comparison"
 HELP = "Compare FRA-NBV with PB-NBV and ray-cast entropy over many runs, beside the paper's numbers."
@@ -48,8 +50,7 @@ class ComparisonCommand:
     """Ablations to run beside it; `all` for all of them. Those that the folder's study has already stay in it."""
     links: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME...")] = ()
     """Links before the planner to change, one at a time; `all` for all of them. They stay likewise."""
-    workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
-    """Worker processes; the default is one for each processor."""
+    work: Annotated[WorkFlags, tyro.conf.arg(name="")] = field(default_factory=WorkFlags)
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object as the last line of stdout."""
 
@@ -61,21 +62,19 @@ def run(args: list[str]) -> int:
     preset = with_named(preset, "ablations", command.ablations, ABLATIONS)
     preset = with_named(preset, "links", command.links, LINKS)
     preset = with_stored_arms(preset, command.out)
-    workers = worker_count(command.workers)
     runs = planned_runs(preset)
     check_runs(runs)
-    prepare_output(command.out)
-    write_atomically(command.out / STUDY, strict_json(preset.model_dump(mode="json"), indent=1).encode())
-    clock = StudyClock.started(command.out, command.out / RUNS, stored_summary(command.out)["wall_s"])
-    failures = reconstruct_all(command.out, preset, runs, workers)
-    for failure in failures:
-        warn(f"{PROGRAM}: {failure.name}: {failure.reason}")
+    with executor_of(command.work) as executor:  # before anything is written
+        prepare_output(command.out)
+        write_atomically(command.out / STUDY, strict_json(preset.model_dump(mode="json"), indent=1).encode())
+        clock = StudyClock.started(command.out, command.out / RUNS, stored_summary(command.out)["wall_s"])
+        failures = reconstruct_all(command.out, preset, runs, executor)
     summary, comparison = evaluate(command.out, preset, runs, failures, clock.elapsed_s())
     clock.stop()
     say(f"{paragraph(comparison, len(runs), failed_runs(failures))}\nReport: {command.out / REPORT}")
     if command.json:
         say_json(summary)
-    return 1 if failures else 0
+    return exit_status(failures)
 
 
 def with_named(
@@ -115,12 +114,19 @@ def with_stored_arms(preset: ComparisonPreset, out: Path) -> ComparisonPreset:
     return preset
 
 
-def reconstruct_all(out: Path, preset: ComparisonPreset, runs: list[PlannedRun], workers: int) -> list[Failure]:
-    """Make the runs that are not there yet, then time planning while nothing else runs."""
-    missing = jobs(out, runs)
-    failures = run_jobs([missing], workers, limit_renderer, already_done=len(runs) - len(missing))
+def reconstruct_all(out: Path, preset: ComparisonPreset, runs: list[PlannedRun], executor: Executor) -> list[Failure]:
+    """Make the runs that are not there yet, then time planning on this machine while nothing else runs."""
+    missing, tell = jobs(out, runs), reasons_once(PROGRAM)
+    if missing:
+        check_alike(executor, out, [run_maker(case) for run in runs if (case := finished_case(out / RUNS, run.digest))])
+    failures = executor.run([missing], len(runs) - len(missing), tell)
     speed = speed_job(out, preset, runs)
-    return failures + (run_jobs([[speed]], 1) if speed else [])
+    return failures + (run_jobs([[speed]], 1, tell=tell) if speed else [])
+
+
+def run_maker(case: Path) -> tuple[str, Maker]:
+    """Name of a finished run, and what made it."""
+    return f"run {case.name}", StoredRun(case).run["versions"]
 
 
 def speed_job(out: Path, preset: ComparisonPreset, runs: list[PlannedRun]) -> Job | None:

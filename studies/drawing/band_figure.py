@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from studies.drawing import svg
-from studies.statistics.shares import Estimate
+from studies.statistics.intervals import Interval
 
 WIDTH, HEIGHT = 1160, 282
 LEFT, RIGHT, TOP, BOTTOM = 46, 12, 62, 222
@@ -20,7 +20,7 @@ class Curve:
     name: str
     klass: str
     """Its colour, by a class of the page's style."""
-    points: Sequence[tuple[float, Estimate]]
+    points: Sequence[tuple[float, Interval]]
     """Variable, and mean share with band."""
     place: Callable[[float], str] = "{:g}".format
     """The variable in words."""

@@ -13,7 +13,6 @@ import tyro
 from materials.input_error import InputError
 from studies.base.console import progress_bar, say, say_json
 from studies.base.flags import parse
-from studies.base.single_case import versions
 from studies.dataset.card.card import card
 from studies.dataset.check.draw import Pool
 from studies.dataset.check.head import camera_problems, model_problems, stray_problems, table_problems
@@ -36,7 +35,7 @@ from studies.dataset.format.folders import (
 )  # fmt: skip
 from studies.dataset.format.index import derived_index, scene_folders
 from studies.dataset.make.manifest import dataset_digest, input_digests
-from studies.dataset.make.resume import difference
+from studies.work.maker import unlikeness, versions
 from studies.work.workers import usable_processors
 
 PROGRAM = "franbv dataset check"
@@ -95,7 +94,7 @@ def other_version(root: Path) -> str | None:
     """In what the first scene's maker differs from what runs here, in words; None if in nothing, or it does not say."""
     try:
         made = read_json(root / SPLIT / scene_folders(root)[0] / MANIFEST)
-        return difference({"renderer": "", "versions": made["versions"]}, {"renderer": "", "versions": versions()})
+        return unlikeness(made["versions"], versions())
     except UNREADABLE:
         return None
 

@@ -19,7 +19,6 @@ from render.light.radiance import Sampling
 from render.world import backend
 from render.world.mitsuba_scene import load_scene
 from studies.base.output_errors import FutileError, output_errors
-from studies.base.single_case import versions
 from studies.dataset.config import DatasetConfig
 from studies.dataset.draw.built_scene import BuiltScene, build_scene, sensor_settings
 from studies.dataset.draw.draw import SceneDraw, draw_scene
@@ -40,8 +39,8 @@ from studies.dataset.format.scene_files import scene_files
 from studies.dataset.format.statistics import counts
 from studies.dataset.make import bop
 from studies.dataset.make.manifest import input_digests
-from studies.dataset.make.resume import Maker, difference
 from studies.dataset.make.view import Cameras, LabelledView, LoneObject, labelled_view
+from studies.work.maker import Maker, maker, unlikeness, versions
 
 FORMAT = 1
 """Version of what a scene folder holds."""
@@ -93,7 +92,7 @@ def make_scene(task: SceneTask) -> None:
     target = task.root / SPLIT / scene_name(task.scene)
     if target.is_dir():
         return
-    if task.made_by and (what := difference(task.made_by, maker())):
+    if task.made_by and (what := unlikeness(task.made_by, maker())):
         raise FutileError(f"{task.root} has {what} of this worker; use the same everywhere, or another folder")
     clock = Clock()
     with clock.stage("drawing and placing"):
@@ -217,11 +216,7 @@ def manifest(task: SceneTask, draw: SceneDraw, files: dict[str, list]) -> dict[s
         "views": len(draw.views),
         "seed": task.config.seed,
         "noise_seed": draw.noise_seed,
-        **maker(),
+        "renderer": backend.mitsuba_variant(),
+        "versions": versions(),
         "files": files,
     }
-
-
-def maker() -> Maker:
-    """What makes scenes in this process, to the versions that decide their bytes."""
-    return {"renderer": backend.mitsuba_variant(), "versions": versions()}

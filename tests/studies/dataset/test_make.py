@@ -18,7 +18,6 @@ from studies.dataset.format import folders
 from studies.dataset.format.scene_files import scene_fault
 from studies.dataset.make import command as make
 from studies.dataset.make.manifest import dataset_digest
-from studies.dataset.make.resume import agreed_maker
 
 
 def contents(root: Path) -> dict[str, bytes]:
@@ -108,15 +107,6 @@ def test_scenes_of_other_versions_are_not_added_to(
     assert main(["dataset", "make", str(small_config), str(copy), "--workers", "1"]) == 2
     assert f"has numpy 1.0, not the {np.__version__} of this machine" in capsys.readouterr().err
     assert contents(copy) == before
-
-
-def test_makers_must_agree():
-    """Nobody, one, two alike, and a second one with another renderer."""
-    cpu, gpu = ({"renderer": name, "versions": {"numpy": "2.0"}} for name in ("llvm", "cuda"))
-    assert agreed_maker([]) is None
-    assert agreed_maker([("a", cpu), ("b", dict(cpu))]) == cpu
-    with pytest.raises(InputError, match="a has renderer llvm, not the cuda of c"):
-        agreed_maker([("a", cpu), ("b", cpu), ("c", gpu)])
 
 
 def test_a_scene_is_made_again_to_the_byte(small_config: Path, small_dataset: Path, tmp_path: Path):

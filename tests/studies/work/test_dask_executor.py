@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import pytest
+from studies.work.dask_executor import connected
 
-from studies.work.cluster import connected
 from studies.work.workers import Failure, Job
 from tests.studies.work import jobs
 
@@ -21,7 +21,7 @@ def test_jobs_fail_alone(tmp_path: Path):
         LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", resources={"GPU": 1}) as cluster,
         connected(cluster.scheduler_address, "GPU") as crew,
     ):
-        failures = crew.run([*work, bad, shaky])
+        failures = crew.run([[*work, bad], [shaky]])
     assert failures == [Failure("bad", "ValueError: no such thing")]
     assert (tmp_path / "bad").read_text() == "xx"
     assert {path.name for path in tmp_path.iterdir()} == {"0", "1", "2", "bad", "shaky", "shaky.tried"}
