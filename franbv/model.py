@@ -7,7 +7,7 @@ cut out of the map, and both are approximated by ellipsoids (paper, sections III
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -35,6 +35,7 @@ class Model:
     """E_o and E_f; empty where the planner uses none."""
 
 
+@runtime_checkable
 class Modeller(Protocol):
     """What of a planner makes models: how bursts enter the map, and what stands in for the object."""
 

@@ -8,9 +8,10 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import project
 from render.world import backend
-from render.world.mitsuba_scene import FIRST_LAMP, LoadedScene
+from render.world.mitsuba_scene import FIRST_LAMP, NO_BODY, LoadedScene
 from render.world.rig import Rig
 from render.world.surface import SurfaceMap
+from scenes.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +32,13 @@ class Truth:
     """Whether the point falls on the right imager's pixels and nothing hides it from there."""
     visible_from_projector: Bool[np.ndarray, "h w"]
     """Whether nothing hides the point from the projector."""
+
+
+def looks_at_part(truth: Truth, scene: Scene) -> Bool[np.ndarray, "h w"]:
+    """Pixels that look at a body of the part. scene: the one that the truth was found in."""
+    is_part = np.zeros(NO_BODY + 1, bool)
+    is_part[: len(scene.bodies)] = [body.is_part for body in scene.bodies]
+    return is_part[truth.body]
 
 
 def measure_truth(world: LoadedScene, rig: Rig, T_world_cam: RigidTransform, surface: SurfaceMap) -> Truth:

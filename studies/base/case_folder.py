@@ -19,7 +19,7 @@ from materials.input_error import InputError
 from studies.base.atomic_file import DIGEST_BYTES, flush, flush_tree
 from studies.base.output_errors import output_errors, prepare_output
 
-FORMAT = 1
+CASE_FORMAT = 1
 """Version of what a case folder holds; raising it makes every case a new one. Choice: a plain count."""
 
 PARTIAL_PREFIX = ".partial-"
@@ -36,7 +36,7 @@ def canonical_json(config: BaseModel) -> str:
 
 def case_digest(command: str, config: BaseModel) -> str:
     """Name of the case that `command` makes of `config`: blake2b in hexadecimal."""
-    text = json.dumps({"command": command, "format": FORMAT}, sort_keys=True) + canonical_json(config)
+    text = json.dumps({"command": command, "format": CASE_FORMAT}, sort_keys=True) + canonical_json(config)
     return hashlib.blake2b(text.encode(), digest_size=DIGEST_BYTES).hexdigest()
 
 

@@ -74,7 +74,7 @@ def validated(model: type[AnyConfig], data: dict[str, Any], source: str) -> AnyC
     try:
         config = model.model_validate(data)
     except ValidationError as error:
-        raise InputError(one_line(error, source, model)) from None
+        raise InputError(validation_line(error, source, model)) from None
     check_finite(config, source)
     return config
 
@@ -97,7 +97,7 @@ def _numbers(key: str, value: Any) -> Iterator[tuple[str, float]]:
         yield key, value
 
 
-def one_line(error: ValidationError, source: str, model: type[BaseModel] | None = None) -> str:
+def validation_line(error: ValidationError, source: str, model: type[BaseModel] | None = None) -> str:
     """The first problem of a validation: source, key, what is wrong, and the nearest known key for an unknown one."""
     problems = error.errors(include_url=False)
     first = next((p for p in problems if p["type"] == "extra_forbidden"), problems[0])

@@ -20,7 +20,7 @@ from studies.comparison.cases import RUNS, PlannedRun, check_runs, jobs, planned
 from studies.comparison.links import LINKS
 from studies.comparison.planning_speed import SPEED_JOB, SpeedTask, is_measured, measure_speed
 from studies.comparison.preset import ComparisonPreset
-from studies.comparison.records import COLUMNS, read_records, table_row
+from studies.comparison.records import RUN_COLUMNS, read_records, table_row
 from studies.comparison.report.page import write_comparison_report
 from studies.comparison.statistics import Comparison
 from studies.comparison.summary import failed_runs, json_summary, paragraph
@@ -32,9 +32,9 @@ from studies.work.maker import Maker
 from studies.work.study_clock import StudyClock
 from studies.work.workers import Failure, Job, run_jobs
 
-PROGRAM = "franbv study comparison"
-HELP = "Compare FRA-NBV with PB-NBV and ray-cast entropy over many runs, beside the paper's numbers."
-STUDY, TABLE, SUMMARY = "comparison.json", "runs.parquet", "summary.json"
+_PROGRAM = "franbv study comparison"
+_HELP = "Compare FRA-NBV with PB-NBV and ray-cast entropy over many runs, beside the paper's numbers."
+STUDY, RUNS_TABLE, SUMMARY = "comparison.json", "runs.parquet", "summary.json"
 """The resolved preset, the table of runs and the summary, in the output folder."""
 
 
@@ -57,7 +57,7 @@ class ComparisonCommand:
 
 def run(args: list[str]) -> int:
     """Run what is missing, then build table and report from all runs; exit status 1 when runs failed."""
-    command = parse(ComparisonCommand, args, PROGRAM, HELP)
+    command = parse(ComparisonCommand, args, _PROGRAM, _HELP)
     preset = ComparisonPreset.named(command.preset)
     preset = with_named(preset, "ablations", command.ablations, ABLATIONS)
     preset = with_named(preset, "links", command.links, LINKS)
@@ -98,7 +98,7 @@ def with_stored_arms(preset: ComparisonPreset, out: Path) -> ComparisonPreset:
     try:
         stored = load_config(ComparisonPreset, out / STUDY)
     except InputError as error:
-        warn(f"{PROGRAM}: {error}; it is replaced, and the report leaves out what only it names")
+        warn(f"{_PROGRAM}: {error}; it is replaced, and the report leaves out what only it names")
         return preset
     ours, theirs = (config.model_dump(exclude={"ablations", "links"}) for config in (preset, stored))
     differing = [key for key in ours if ours[key] != theirs[key]]
@@ -108,7 +108,7 @@ def with_stored_arms(preset: ComparisonPreset, out: Path) -> ComparisonPreset:
     left_out = [name for name in (*stored.ablations, *stored.links) if name not in (*preset.ablations, *preset.links)]
     if left_out:
         warn(
-            f"{PROGRAM}: {out / STUDY}: was of a study with another {', '.join(differing)}; "
+            f"{_PROGRAM}: {out / STUDY}: was of a study with another {', '.join(differing)}; "
             f"its {', '.join(left_out)} are not in this one, name them to have them"
         )
     return preset
@@ -116,7 +116,7 @@ def with_stored_arms(preset: ComparisonPreset, out: Path) -> ComparisonPreset:
 
 def reconstruct_all(out: Path, preset: ComparisonPreset, runs: list[PlannedRun], executor: Executor) -> list[Failure]:
     """Make the runs that are not there yet, then time planning on this machine while nothing else runs."""
-    missing, tell = jobs(out, runs), reasons_once(PROGRAM)
+    missing, tell = jobs(out, runs), reasons_once(_PROGRAM)
     if missing:
         check_alike(executor, out, [run_maker(case) for run in runs if (case := finished_case(out / RUNS, run.digest))])
     failures = executor.run([missing], len(runs) - len(missing), tell)
@@ -147,7 +147,7 @@ def evaluate(
 ) -> tuple[dict[str, Any], Comparison]:
     """Write table, summary and report of the runs that are finished; returns the summary and the runs."""
     comparison = Comparison(read_records(out, runs))
-    write_rows(out / TABLE, COLUMNS, map(table_row, comparison.records))
+    write_rows(out / RUNS_TABLE, RUN_COLUMNS, map(table_row, comparison.records))
     parts = list(dict.fromkeys(planned.part for planned in runs))
     summary = json_summary(comparison, parts, preset.planners, failed_runs(failures), wall_s)
     stored = {**summary, "failures": [asdict(failure) for failure in failures]}

@@ -25,7 +25,7 @@ from studies.store.tables import write_rows
 from studies.store.views import write_arrays, write_view
 from studies.work.maker import versions
 
-COMMAND = "reconstruct"
+RUN_COMMAND = "reconstruct"
 """What the case's name and its `run.json` call it."""
 
 
@@ -103,8 +103,8 @@ def write_result(
     write_arrays(folder / SURFACE, surface_arrays(reference, recorder))
     write_rows(folder / TABLE, ACQUISITION_COLUMNS, recorder.finished_rows(past))
     facts: dict[str, Any] = {
-        "command": COMMAND,
-        "case": case_digest(COMMAND, config),
+        "command": RUN_COMMAND,
+        "case": case_digest(RUN_COMMAND, config),
         "title": title,
         "config": config.model_dump(mode="json"),
         "versions": versions(),

@@ -15,12 +15,12 @@ from studies.sensitivity.cases import CaseConfig, sweep_cases
 from studies.sensitivity.measurement import CASES, TWINS, CaseTask, TwinTask, case_maker, do_case, do_twin
 from studies.sensitivity.plan import write_plan
 from studies.sensitivity.preset import SensitivityPreset
-from studies.sensitivity.tables import gather, summary, write_tables
+from studies.sensitivity.tables import gather_tables, study_summary, write_tables
 from studies.work.executor import Executor, WorkFlags, check_alike, executor_of, exit_status, reasons_once
 from studies.work.workers import Failure, Job
 
-PROGRAM = "franbv study sensitivity"
-HELP = "Measure which materials and angles break the depth, the detector and the recovery, and why."
+_PROGRAM = "franbv study sensitivity"
+_HELP = "Measure which materials and angles break the depth, the detector and the recovery, and why."
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class SensitivityCommand:
 def run(args: list[str]) -> int:
     """Measure what is missing, then build tables and report from all cases."""
     began = time.perf_counter()
-    command = parse(SensitivityCommand, args, PROGRAM, HELP)
+    command = parse(SensitivityCommand, args, _PROGRAM, _HELP)
     preset = SensitivityPreset.named(command.preset)
     wanted = sweep_cases(preset)
     with executor_of(command.work) as executor:  # before anything is written
@@ -48,11 +48,11 @@ def run(args: list[str]) -> int:
         failures = measure(command.out, [case.config for case in wanted], executor)
     from studies.sensitivity.report.page import write_sensitivity_report
 
-    tables = gather(command.out, plan.cases)
+    tables = gather_tables(command.out, plan.cases)
     write_tables(command.out, tables)
     report = write_sensitivity_report(command.out, plan, tables)
     say(f"{report}")
-    figures = {**summary(tables), "failed": len(failures), "wall_s": time.perf_counter() - began}
+    figures = {**study_summary(tables), "failed": len(failures), "wall_s": time.perf_counter() - began}
     if command.json:
         say_json(figures)
     return exit_status(failures)
@@ -72,4 +72,4 @@ def measure(out: Path, configs: list[CaseConfig], executor: Executor) -> list[Fa
         check_alike(
             executor, out, [case_maker(out, digest) for digest in distinct if finished_case(out / CASES, digest)]
         )
-    return executor.run(stages, len(distinct) - len(missing), reasons_once(PROGRAM))
+    return executor.run(stages, len(distinct) - len(missing), reasons_once(_PROGRAM))

@@ -12,7 +12,7 @@ from studies.sensitivity.cases import CaseConfig, TwinConfig
 from studies.sensitivity.counts import incidence_counts, view_counts, view_keys
 from studies.sensitivity.planning import detection_counts, first_look, recovery_rows
 from studies.sensitivity.twins import make_twin
-from studies.sensitivity.views import labelled_views
+from studies.sensitivity.views import lit_views
 from studies.work.maker import Maker, versions
 
 FACTS, RESULT = "case.json", "result.json"
@@ -61,7 +61,7 @@ def case_maker(out: Path, digest: str) -> tuple[str, Maker]:
 def measured(config: CaseConfig, twins: Path) -> dict[str, list[dict[str, Any]]]:
     """Rows of the study's tables. Detection and recovery are tried under the first light only."""
     tables: dict[str, list[dict[str, Any]]] = {"views": [], "incidence": [], "recovery_views": []}
-    for view in labelled_views(config, twins):
+    for view in lit_views(config, twins):
         keys = view_keys(config, view)
         row = keys | view_counts(view)
         tables["incidence"] += [keys | counts for counts in incidence_counts(view)]

@@ -18,7 +18,7 @@ from materials.input_error import InputError
 from studies.base.console import progress_bar
 from studies.base.output_errors import FutileError
 from studies.work.maker import Maker, maker
-from studies.work.worker_process import THREAD_VARIABLES, one_line
+from studies.work.worker_process import THREAD_VARIABLES, exception_line
 from studies.work.workers import MOST_TRIES, Failure, Job, limit_renderer
 
 CONNECT_S = 10
@@ -71,7 +71,7 @@ class DaskExecutor:
             wait(list(futures.values()), timeout=ANSWER_S)
         for worker, future in futures.items():
             if future.status == "error":
-                raise InputError(f"worker {worker}: cannot render ({one_line(future.exception())})")
+                raise InputError(f"worker {worker}: cannot render ({exception_line(future.exception())})")
         self.client.cancel([future for future in futures.values() if future.status != "finished"])
         return {worker: future.result() for worker, future in futures.items() if future.status == "finished"}
 
@@ -120,7 +120,7 @@ class DaskExecutor:
                 continue
             error = future.exception()
             futile = isinstance(error, FutileError)
-            reason = one_line(error) if error else f"the scheduler at {self.address} was lost"
+            reason = exception_line(error) if error else f"the scheduler at {self.address} was lost"
             yield from (Failure(names[one], reason, futile) for one in ([future, *waiting] if futile else [future]))
             if futile:
                 self.client.cancel(list(waiting))
@@ -128,7 +128,7 @@ class DaskExecutor:
 
 
 @contextlib.contextmanager
-def connected(address: str, resource: str | None) -> Iterator[DaskExecutor]:
+def dask_executor(address: str, resource: str | None) -> Iterator[DaskExecutor]:
     """The workers of the scheduler at `address`; InputError where none answers or none has the resource."""
     try:
         from distributed import Client

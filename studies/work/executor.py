@@ -8,13 +8,13 @@ import contextlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Protocol
+from typing import Annotated, Protocol, runtime_checkable
 
 import tyro
 
 from materials.input_error import InputError
 from studies.base.console import warn
-from studies.work.dask_executor import connected
+from studies.work.dask_executor import dask_executor
 from studies.work.maker import Maker, agreed_maker, versions
 from studies.work.workers import Failure, Job, limit_renderer, run_jobs, worker_count
 
@@ -31,6 +31,7 @@ class WorkFlags:
     """Only on Dask workers with this resource, such as GPU."""
 
 
+@runtime_checkable
 class Executor(Protocol):
     """Does jobs."""
 
@@ -90,7 +91,7 @@ def executor_of(flags: WorkFlags) -> Iterator[Executor]:
     if not flags.scheduler:
         yield LocalExecutor(workers)
         return
-    with connected(flags.scheduler, flags.resource) as dask:
+    with dask_executor(flags.scheduler, flags.resource) as dask:
         yield dask
 
 

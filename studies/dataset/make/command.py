@@ -22,7 +22,7 @@ from studies.dataset.config import DatasetConfig, load_dataset_config
 from studies.dataset.draw.objects import PoolObject, check_body_count, object_pool
 from studies.dataset.format.folders import DATASET, MODELS, SPLIT, WORK, read_json, removed_at_once, scene_name
 from studies.dataset.format.index import scene_folders, write_index
-from studies.dataset.format.scene_files import is_of
+from studies.dataset.format.scene_files import belongs_to
 from studies.dataset.make.manifest import check_same, dataset_digest, input_digests, write_head
 from studies.dataset.make.resume import scene_makers, sound_scenes
 from studies.dataset.make.scene_case import SceneTask, make_scene
@@ -30,8 +30,8 @@ from studies.work.executor import Executor, WorkFlags, executor_of, exit_status,
 from studies.work.maker import agreed_maker, versions
 from studies.work.workers import Failure, Job
 
-PROGRAM = "franbv dataset make"
-HELP = "Render labelled depth of random scenes. The same command takes an interrupted dataset up where it stopped."
+_PROGRAM = "franbv dataset make"
+_HELP = "Render labelled depth of random scenes. The same command takes an interrupted dataset up where it stopped."
 
 
 @dataclass(frozen=True)
@@ -52,13 +52,13 @@ class MakeCommand:
 def run(args: list[str]) -> int:
     """Make what is missing."""
     began = time.perf_counter()
-    command = parse(MakeCommand, args, PROGRAM, HELP)
+    command = parse(MakeCommand, args, _PROGRAM, _HELP)
     config = load_dataset_config(command.config)
     if command.views is not None:
         config = validated(DatasetConfig, config.model_dump() | {"views": command.views}, "--views")
     pool = object_pool(config)
     for notice in (notice for thing in pool for notice in thing.notices):
-        warn(f"{PROGRAM}: {notice}")
+        warn(f"{_PROGRAM}: {notice}")
     check_body_count(config, pool)
     root = command.dir.resolve()
     with executor_of(command.work) as executor:  # before anything is written
@@ -72,7 +72,7 @@ def run(args: list[str]) -> int:
             finally:
                 with contextlib.suppress(OSError):  # unless something in it is worth keeping
                     (root / WORK).rmdir()
-            figures = summary(root, made, failures, config, time.perf_counter() - began)
+            figures = make_summary(root, made, failures, config, time.perf_counter() - began)
             if not failures:
                 write_index(root, scene_folders(root))
                 write_card(root)
@@ -87,7 +87,7 @@ def check_ours(root: Path, digest: str) -> None:
     """InputError for a folder that holds anything but a dataset of ours, whole, just begun, or of this configuration
     without its `dataset.json`."""
     begun = any((root / name).exists() for name in (DATASET, WORK)) or not any(root.iterdir())
-    if not begun and not any(is_of(root / SPLIT / name, digest) for name in scene_folders(root)):
+    if not begun and not any(belongs_to(root / SPLIT / name, digest) for name in scene_folders(root)):
         raise InputError(f"{root}: holds other files, and no {DATASET}; give an empty folder, or that of a dataset")
 
 
@@ -113,7 +113,7 @@ def make_missing(
     inputs = input_digests(config, pool)
     tasks = [SceneTask(root, config, digest, number, made_by, inputs) for number in missing]
     jobs = [Job(task.title, make_scene, task) for task in tasks]
-    tell = reasons_once(PROGRAM)
+    tell = reasons_once(_PROGRAM)
     failures = executor.run([jobs], len(sound), tell)
     known, arrived = {failure.name for failure in failures}, set(scene_folders(root))
     for task in tasks:
@@ -130,7 +130,7 @@ def clear_debris(root: Path) -> None:
             path.unlink(missing_ok=True)
 
 
-def summary(
+def make_summary(
     root: Path, made: list[int], failures: list[Failure], config: DatasetConfig, wall_s: float
 ) -> dict[str, Any]:
     """The figures of this command; `views` and `failed` count views and together make the dataset."""

@@ -42,7 +42,7 @@ from studies.dataset.make.manifest import input_digests
 from studies.dataset.make.view import Cameras, LabelledView, LoneObject, labelled_view
 from studies.work.maker import Maker, maker, unlikeness, versions
 
-FORMAT = 1
+SCENE_FORMAT = 1
 """Version of what a scene folder holds."""
 COMPRESSION = 1
 """Of PNG files (choice: level 9 makes them a fifth smaller and takes ten times as long)."""
@@ -108,7 +108,7 @@ def make_scene(task: SceneTask) -> None:
             files = listed_files(folder)
             if files.keys() != scene_files(task.config, len(draw.views), len(draw.objects)):
                 raise RuntimeError(f"{folder}: another process has taken files away")
-            (folder / MANIFEST).write_bytes(compact_json(manifest(task, draw, files)))
+            (folder / MANIFEST).write_bytes(compact_json(scene_manifest(task, draw, files)))
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
     times = {"views": len(draw.views), "peak_rss": peak, "stages": clock.seconds}
     with output_errors(task.root):
@@ -207,10 +207,10 @@ def _write(path: Path, image: np.ndarray) -> None:
     path.write_bytes(data.tobytes())
 
 
-def manifest(task: SceneTask, draw: SceneDraw, files: dict[str, list]) -> dict[str, Any]:
+def scene_manifest(task: SceneTask, draw: SceneDraw, files: dict[str, list]) -> dict[str, Any]:
     """What the folder holds and how it came about."""
     return {
-        "format": FORMAT,
+        "format": SCENE_FORMAT,
         "dataset": task.digest,
         "scene": task.scene,
         "views": len(draw.views),

@@ -115,7 +115,7 @@ def recovery_curves(rows: Sequence[Row]) -> Markup:
     curves = []
     for kind, klass in (("diamond", "series-recovery"), ("pb", "series-nbv")):
         chosen = [row for row in rows if row["kind"] == kind and row["regained_share"] is not None]
-        bins = together(chosen, lambda row: TURN_BIN_DEG * round(change(row) / TURN_BIN_DEG))
+        bins = together(chosen, lambda row: TURN_BIN_DEG * round(incidence_change(row) / TURN_BIN_DEG))
         points = [(middle, mean_interval([row["regained_share"] for row in bins[middle]])) for middle in sorted(bins)]
         if points:
             curves.append(Curve(kind, klass, points))
@@ -131,6 +131,6 @@ def recovery_curves(rows: Sequence[Row]) -> Markup:
     )
 
 
-def change(row: Row) -> float:
+def incidence_change(row: Row) -> float:
     """By how much more steeply the recovery view looks at the surface [deg]."""
     return row["incidence_deg"] - row["incidence_before_deg"]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from studies.cli.main import main
-from studies.scoring.hole_classes import counted, filled, hidden_from_right, hole_classes
+from studies.scoring.hole_classes import filled, hidden_from_right, hole_classes, scored_pixels
 from studies.scoring.match import HoleScore, fraction_shares, halved, score
 from studies.store.images import read_png, write_png
 from studies.store.stereo_files import ReferenceDepth, read_reference
@@ -61,7 +61,7 @@ def test_classes_split_the_image():
 
 def test_margins_and_left_band_do_not_count():
     """8 px along the border, and the columns that look beyond the right image plus 8 px."""
-    inside = counted(np.full((60, 100), 20.0), 1)
+    inside = scored_pixels(np.full((60, 100), 20.0), 1)
     assert inside[8:-8, 28:-8].all()
     assert inside.sum() == 44 * 64
 

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from materials.input_error import InputError
 from studies.cli.main import main
 from studies.dataset.config import load_dataset_config
 from studies.dataset.draw.draw import draw_scene

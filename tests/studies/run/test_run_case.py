@@ -90,7 +90,9 @@ def test_table_has_the_schema_and_its_meanings(case: Path):
     """Names, order, types and meanings are those of the one list; every row is filled where its kind demands."""
     table = pq.read_table(case / "acquisitions.parquet")
     assert table.schema.names == [column.name for column in ACQUISITION_COLUMNS]
-    assert all((table.schema.field(c.name).metadata or {})[b"meaning"].decode() == c.meaning for c in ACQUISITION_COLUMNS)
+    assert all(
+        (table.schema.field(c.name).metadata or {})[b"meaning"].decode() == c.meaning for c in ACQUISITION_COLUMNS
+    )
     rows = table.to_pylist()
     assert [row["acquisition"] for row in rows] == list(range(len(rows)))
     assert [row["kind"] == "recovery" for row in rows] == [row["gamma"] is not None for row in rows]
