@@ -219,4 +219,4 @@ def _decision(
         "poses": len(poses),
         "rays": burst.intrinsics.width * burst.intrinsics.height,
     }
-    return clock.read(), sizes
+    return {stage: spent.thread_s for stage, spent in clock.read().items()}, sizes

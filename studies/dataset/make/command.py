@@ -1,8 +1,6 @@
 """`franbv dataset make`: draw, render and label what is missing, on this machine or a cluster, then index and card."""
 
 import contextlib
-import fcntl
-import os
 import shutil
 import time
 from collections.abc import Iterator, Sequence
@@ -13,6 +11,7 @@ from typing import Annotated, Any
 import tyro
 
 from materials.input_error import InputError
+from studies.base.atomic_file import folder_lock
 from studies.base.config import validated
 from studies.base.console import say, say_json, warn
 from studies.base.flags import parse
@@ -169,15 +168,8 @@ def sentence(root: Path, figures: dict[str, Any]) -> str:
 
 @contextlib.contextmanager
 def _alone(root: Path) -> Iterator[None]:
-    """Hold the folder: the lock goes with the process, whatever ends it."""
-    descriptor = os.open(root, os.O_RDONLY)
-    try:
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise InputError(f"{root}: another process makes this dataset; wait for it to end") from None
-        except OSError:  # a file system that cannot lock folders: then nobody can know
-            pass
+    """Hold the dataset's folder."""
+    with folder_lock(root) as held:
+        if held is None:
+            raise InputError(f"{root}: another process makes this dataset; wait for it to end")
         yield
-    finally:
-        os.close(descriptor)

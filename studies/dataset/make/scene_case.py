@@ -2,10 +2,8 @@
 
 import resource
 import sys
-import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +11,7 @@ import cv2
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
+from franbv.stage_clock import StageClock
 from render.d435i import SimulatedD435i
 from render.labels.twin import twin_camera
 from render.light.radiance import Sampling
@@ -69,24 +68,6 @@ class SceneTask:
         return f"scene {scene_name(self.scene)}"
 
 
-@dataclass
-class Clock:
-    """Wall and processor time by stage [s]."""
-
-    seconds: dict[str, list[float]] = field(default_factory=dict)
-
-    @contextmanager
-    def stage(self, name: str) -> Iterator[None]:
-        """Adds what is done in it."""
-        wall, cpu = time.perf_counter(), time.process_time()
-        try:
-            yield
-        finally:
-            spent = self.seconds.setdefault(name, [0.0, 0.0])
-            spent[0] += time.perf_counter() - wall
-            spent[1] += time.process_time() - cpu
-
-
 def make_scene(task: SceneTask) -> None:
     """Make the scene and write its folder, unless it is there; leave the times beside it."""
     target = task.root / SPLIT / scene_name(task.scene)
@@ -94,23 +75,24 @@ def make_scene(task: SceneTask) -> None:
         return
     if task.made_by and (what := unlikeness(task.made_by, maker())):
         raise FutileError(f"{task.root} has {what} of this worker; use the same everywhere, or another folder")
-    clock = Clock()
-    with clock.stage("drawing and placing"):
+    clock = StageClock()
+    with clock.timing("drawing and placing"):
         pool = object_pool(task.config)
         check_inputs(task, pool)
         draw = draw_scene(task.config, pool, task.scene)
-    with clock.stage("loading the scene"):
+    with clock.timing("loading the scene"):
         built = build_scene(draw, pool, task.config.materials.of_user)
         cameras = scene_cameras(task.config, draw, built, pool)
     with written_whole(task.root, target) as folder:
         write_scene(folder, task, draw, cameras, clock)
-        with clock.stage("hashing"):
+        with clock.timing("hashing"):
             files = listed_files(folder)
             if files.keys() != scene_files(task.config, len(draw.views), len(draw.objects)):
                 raise RuntimeError(f"{folder}: another process has taken files away")
             (folder / MANIFEST).write_bytes(compact_json(scene_manifest(task, draw, files)))
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
-    times = {"views": len(draw.views), "peak_rss": peak, "stages": clock.seconds}
+    stages = {name: [spent.wall_s, spent.process_s] for name, spent in clock.read().items()}
+    times = {"views": len(draw.views), "peak_rss": peak, "stages": stages}
     with output_errors(task.root):
         (task.root / WORK / f"{scene_name(task.scene)}.json").write_bytes(compact_json(times))
 
@@ -141,14 +123,14 @@ def scene_cameras(config: DatasetConfig, draw: SceneDraw, built: BuiltScene, poo
     return Cameras(built, real, twin_camera(real), lone)
 
 
-def write_scene(folder: Path, task: SceneTask, draw: SceneDraw, cameras: Cameras, clock: Clock) -> None:
+def write_scene(folder: Path, task: SceneTask, draw: SceneDraw, cameras: Cameras, clock: StageClock) -> None:
     """All views and what is said about them."""
     camera, info, poses, exposures, statistics, annotations = {}, {}, {}, [], [], []
     k = cameras.real.rig.intrinsics
     for number, drawn in enumerate(draw.views):
         pose = RigidTransform.from_matrix(np.array(drawn.T_world_cam))
-        view = labelled_view(cameras, pose, task.config.n_frames, clock.stage)
-        with clock.stage("encoding and writing"):
+        view = labelled_view(cameras, pose, task.config.n_frames, clock.timing)
+        with clock.timing("encoding and writing"):
             write_images(folder, number, view, task.config.keep_frames)
             camera[number], poses[number] = bop.camera_entry(k, pose), bop.pose_entries(draw, pose)
             info[number] = bop.info_entries(view)

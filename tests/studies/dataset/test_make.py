@@ -246,7 +246,7 @@ def test_a_full_or_read_only_disk_is_one_line(
     def fail(*_: object) -> None:
         raise OSError(number, os.strerror(number))
 
-    monkeypatch.setattr("studies.base.case_folder.os.replace", fail)
+    monkeypatch.setattr("studies.base.atomic_file.os.replace", fail)
     assert main(["dataset", "make", str(small_config), str(tmp_path / "out")]) == 2
     assert ("the disk is full" if number == errno.ENOSPC else "read-only") in capsys.readouterr().err
     assert [path for path in (tmp_path / "out").rglob("*") if path.is_file()] == []
@@ -258,7 +258,7 @@ def test_a_full_disk_in_a_scene_leaves_nothing_half_written(tmp_path: Path, monk
     def fail(_: Path) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(folders, "flush_tree", fail)
+    monkeypatch.setattr("studies.base.atomic_file.flush_tree", fail)
     with (
         pytest.raises(folders.InputError, match="the disk is full"),
         folders.written_whole(tmp_path, tmp_path / "train/000000") as folder,
