@@ -12,7 +12,11 @@ from threadpoolctl import ThreadpoolController
 
 
 class StageClock:
-    """Adds up the time spent in named stages until it is read."""
+    """Adds up the time [s] spent in named stages until it is read.
+
+    Planning counts the processor time of the thread that plans, all else counts wall time; why, stands at the head of
+    the module. Time outside a stage is not counted, that of a stage inside another one twice.
+    """
 
     def __init__(self) -> None:
         self._seconds: dict[str, float] = {}
