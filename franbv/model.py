@@ -27,7 +27,11 @@ Timed = Callable[[str], AbstractContextManager[None]]
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """All that is known after an acquisition."""
+    """All that is known after an acquisition: the map, the object O_t in it, and the ellipsoids that stand in for it.
+
+    Paper, sections III-A and III-B. Nothing in it changes: an acquisition makes a new one of the last. It knows nothing
+    of reflectance; the regions that a burst shows are a `franbv.reflective_regions.Detection`.
+    """
 
     voxel_map: VoxelMap
     object: ObjectModel
@@ -37,7 +41,10 @@ class Model:
 
 @runtime_checkable
 class Modeller(Protocol):
-    """What of a planner makes models: how bursts enter the map, and what stands in for the object."""
+    """What of a planner makes models: how bursts enter the map, and what stands in for the object.
+
+    Both are functions that return something new; a `franbv.planners.Planner` has them.
+    """
 
     @property
     def integrate(self) -> Integrate: ...

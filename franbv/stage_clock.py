@@ -16,6 +16,7 @@ class Spent(NamedTuple):
     """What a stage took [s]."""
 
     wall_s: float
+    """By the clock on the wall."""
     thread_s: float
     """Processor time of the thread that runs the stage."""
     process_s: float
@@ -26,6 +27,7 @@ class StageClock:
     """Adds up the time spent in named stages until it is read.
 
     Stages do not overlap and run on the thread that made the clock.
+    Time outside a stage is not counted; that of a stage inside another one would count twice.
     """
 
     def __init__(self) -> None:

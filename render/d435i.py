@@ -34,7 +34,12 @@ FIELD_AREA = 4 * HALF_FIELD[0] * HALF_FIELD[1]
 
 
 class SensorSettings(BaseModel):
-    """Everything about the camera that a user can set."""
+    """Everything about the camera that a user can set; the defaults make the paper's 60 x 40 sensor (section VI).
+
+    Unknown keys and numbers out of range raise pydantic's ValidationError, a profile that the D435i lacks InputError
+    when the camera is made. Not to be set: baseline and projector (`render.world.rig`), and the dot pattern
+    (`render.light.pattern`).
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -56,7 +61,12 @@ class SensorSettings(BaseModel):
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """All that one pose gives, before and after decimation."""
+    """All that one pose gives, before and after decimation.
+
+    Both layers of each imager are kept, from which `SimulatedD435i.expose` makes other exposures without a new
+    rendering. The n frames share them and their speckle; shot and read noise are drawn anew for each. What is really
+    there is not in it: see `SimulatedD435i.truth`.
+    """
 
     T_world_cam: RigidTransform
     """Pose of the left imager."""
@@ -79,8 +89,13 @@ class Measurement:
 class SimulatedD435i:
     """The camera in front of one scene.
 
-    Noise and speckle depend on the seed and the pose alone, so a pose gives the same frames whatever was measured
-    before, and the first frames of a longer burst are those of a shorter one.
+    Radiance at 850 nm -> electrons -> pairs of 8 bits -> disparity d -> Z = f B / d -> z16 -> decimation -> crop. Noise
+    and speckle depend on the seed and the pose alone, so a pose gives the same frames whatever was measured before, and
+    the first frames of a longer burst are those of a shorter one.
+
+    Camera and scene stand still, the pose is exact and the pair perfectly rectified. Left out: the colour imager, the
+    inertial unit, librealsense's filters but decimation, and what `render.imager.expose` and `render.light.paths` name.
+    Raises BackendError where nothing can render, InputError for settings or a scene that it cannot take.
     """
 
     def __init__(

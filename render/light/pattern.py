@@ -41,7 +41,11 @@ _SIGMA = float(DOT_FWHM / (2.0 * np.sqrt(2.0 * np.log(2.0))))
 
 @dataclass(frozen=True, eq=False)
 class DotPattern:
-    """Relative brightness, mean 1 over the field, in coordinates (x / z, y / z) of the projector."""
+    """Relative brightness, mean 1 over the field, in coordinates (x / z, y / z) of the projector.
+
+    Gaussian dots on a faint veil, placed at random with the density and spacing of real ones (head of the module): like
+    the D435's pattern in its statistics and not dot by dot.
+    """
 
     sharp: Float32[np.ndarray, "h w"]
     """Over the field itself, row 0 at the top (negative y); the light ends at its edge."""

@@ -56,7 +56,11 @@ D400_PRESETS = {
 
 @dataclass(frozen=True)
 class D400Preset:
-    """What a preset means to the simulated camera."""
+    """What a preset means to the simulated camera.
+
+    Values count in proportion to the Default preset's (head of the module). What the matcher has no counterpart for
+    changes nothing and is named in `ignored`.
+    """
 
     name: str
     """Of the preset or its file."""

@@ -23,7 +23,11 @@ FOCAL_LENGTHS_PX = {(1280, 720): 642.0, (848, 480): 427.0, (640, 360): 321.0, (4
 
 @dataclass(frozen=True)
 class Rig:
-    """Two rectified imagers and a projector, all looking along +z of the left imager, the depth frame."""
+    """Two rectified imagers and a projector, all looking along +z of the left imager, the depth frame.
+
+    A point at Z-depth Z has disparity f B / Z. Both imagers have the same intrinsics and the rectification is perfect:
+    a real camera's errors of calibration are left out, and so is its colour imager.
+    """
 
     intrinsics: Intrinsics
     """Of either imager."""

@@ -16,7 +16,11 @@ from scenes.scene import Scene
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """Exact maps along the left imager's pixel-centre rays."""
+    """Exact maps along the left imager's pixel-centre rays.
+
+    No lens blur and no mean over the pixel: at an edge it tells one of the two surfaces. A mirror counts as the surface
+    that it is, not as what is seen in it.
+    """
 
     depth: Float32[np.ndarray, "h w"]
     """Z-depth [m], 0 = nothing there."""

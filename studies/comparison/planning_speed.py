@@ -189,6 +189,7 @@ def plain_comparison(grid: VoxelMap, burst: DepthBurst, parameters: Parameters) 
     grid = re().integrate(grid, burst, parameters)
     poses = candidate_poses(object_model(grid, parameters).box, parameters, AZIMUTH)
     fast: list[float] = []
+    found = np.zeros(len(poses))
     while len(fast) < FEWEST_DECISIONS or (len(fast) < MOST and sum(fast) < REPEATED_S):
         start = time.thread_time()
         found = view_information(grid, burst.intrinsics, poses)

@@ -105,7 +105,7 @@ def pool_of(root: Path, config: DatasetConfig) -> Pool:
         top = read_json(root / DATASET)
         same = top["digest"] == dataset_digest(config.model_copy(update={"views": top["config"]["views"]}))
     except UNREADABLE:
-        same = True  # what is wrong with the dataset is the check's to say
+        return object_pool(config)  # what is wrong with the dataset is the check's to say
     if not same:
         raise InputError(f"{root}: was not made from this configuration; give the one that it was made from")
     pool = object_pool(config)
