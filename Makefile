@@ -47,7 +47,10 @@ layers: $(READY)
 	$(BIN)/lint-imports
 
 tests: $(READY)
-	$(BIN)/python -m pytest -m "not slow and not benchmark" --durations 10
+	$(BIN)/python -m pytest -m "not slow and not benchmark" --numprocesses auto --dist loadfile --durations 10 \
+		--cov --cov-report=
+	$(BIN)/coverage report --include 'franbv/*' --fail-under 97
+	$(BIN)/coverage report --fail-under 92
 
 test-slow: $(READY) ## The physics and the studies that take minutes
 	$(BIN)/python -m pytest -m slow --durations 10

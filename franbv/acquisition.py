@@ -17,7 +17,12 @@ Kind = Literal["first", "nbv", "recovery"]
 
 @dataclass(frozen=True, eq=False)
 class Acquisition:
-    """One burst, why it was taken, and what it led to."""
+    """One burst, why it was taken, and what it led to.
+
+    It keeps the whole model, so that a run can be judged and drawn acquisition by acquisition. Recoveries belong to the
+    iteration that triggered them and are none of their own, as in the paper's experiments (section VI). What only a
+    simulated camera has, infrared images and the truth, is not in it.
+    """
 
     index: int
     """Counts all acquisitions, from 0."""
@@ -45,7 +50,9 @@ class Acquisition:
     planning_s: dict[str, float]
     """Processor time by stage, from the choice of this pose to the detection in its burst [s]."""
     sensing_s: float
+    """Wall time of taking the burst [s]."""
     motion_s: float
+    """Time of the move to the pose, as the arm gave it [s]."""
 
     @property
     def activates(self) -> bool:
@@ -55,7 +62,10 @@ class Acquisition:
 
 @dataclass(frozen=True, eq=False)
 class Reconstruction:
-    """A finished run."""
+    """A finished run: its acquisitions in the order in which they were taken, and the rule that ended it.
+
+    It says what was made and not how good it is: `franbv.evaluation` holds it against a known surface.
+    """
 
     acquisitions: tuple[Acquisition, ...]
     stop: StopReason

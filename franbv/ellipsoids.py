@@ -21,7 +21,12 @@ GRAIN = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Ellipsoids:
-    """Ellipsoids (x - c)^T S^-1 (x - c) <= 1 in the world frame."""
+    """Ellipsoids (x - c)^T S^-1 (x - c) <= 1 in the world frame; there may be none.
+
+    Each is the smallest in volume around the voxels of one cluster, taken as cubes, to `Parameters.enclosing_tolerance`
+    (paper, section III-B). The dual of the paper's quadric Q, eq. (1), is Q^-1 = [[S - c c^T, -c], [-c^T, -1]]. They
+    stand for where the voxels are and not for the surface: they overlap, and bulge over the rims of their clusters.
+    """
 
     centres: Float[np.ndarray, "k 3"]
     """c [m]."""

@@ -34,7 +34,11 @@ DistanceToSurface = Callable[[Float[np.ndarray, "n 3"]], Float[np.ndarray, "n"]]
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """The true surface."""
+    """The true surface that a run is judged against.
+
+    Coverage counts `points` alone, so that what no view can see lowers nothing; accuracy and precision are measured to
+    all of the surface, hidden parts too.
+    """
 
     points: Float[np.ndarray, "n 3"]
     """Area-uniform points that some view of the upper hemisphere can see, world frame [m]."""
@@ -44,7 +48,12 @@ class Reference:
 
 @dataclass(frozen=True)
 class Quality:
-    """How well a cloud agrees with the surface."""
+    """How well a cloud agrees with the surface: distances from points to the surface [m] and shares [0, 1].
+
+    The formulas stand at the head of the module; of these numbers only the coverage is the paper's (section VI). An
+    empty cloud has no coverage, precision and F-score of 0 and an accuracy of NaN. What the map believes is not in it:
+    see `wrongly_free_share` and `wrongly_occupied_share`.
+    """
 
     coverage: dict[float, float]
     """By tolerance [m]."""
@@ -53,12 +62,19 @@ class Quality:
     accuracy_median: float
     """[m]"""
     precision: float
+    """Share of the cloud within 5 mm of the surface."""
     f_score: float
+    """Harmonic mean of precision and coverage at 5 mm."""
 
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """Coverage acquisition by acquisition, at 5 mm."""
+    """Coverage acquisition by acquisition, at 5 mm; k counts all of them, recoveries too.
+
+    Delta C_k = C_k - C_(k-1) (paper, section VI), so that the increments add up to the final coverage and each point
+    counts for the acquisition that was first to see it. `recovery_gain` therefore is what recoveries brought in this
+    order, and not what the run would lack without them. The raw coverage cannot fall; the filtered one can.
+    """
 
     coverage: Float[np.ndarray, "k"]
     """C_k of the raw cloud."""

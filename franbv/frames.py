@@ -13,7 +13,11 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 @dataclass(frozen=True)
 class Intrinsics:
-    """Pinhole intrinsics without distortion (D400 depth streams are rectified)."""
+    """Pinhole intrinsics without distortion (D400 depth streams are rectified): u = fx x / z + cx, v = fy y / z + cy.
+
+    The K of the paper's P = K [R | t], and the numbers of eq. (10). Skew is left out. Frames as at the head of the
+    module.
+    """
 
     width: int
     """Image width [px]."""

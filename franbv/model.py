@@ -7,7 +7,7 @@ cut out of the map, and both are approximated by ellipsoids (paper, sections III
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -27,7 +27,11 @@ Timed = Callable[[str], AbstractContextManager[None]]
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """All that is known after an acquisition."""
+    """All that is known after an acquisition: the map, the object O_t in it, and the ellipsoids that stand in for it.
+
+    Paper, sections III-A and III-B. Nothing in it changes: an acquisition makes a new one of the last. It knows nothing
+    of reflectance; the regions that a burst shows are a `franbv.reflective_regions.Detection`.
+    """
 
     voxel_map: VoxelMap
     object: ObjectModel
@@ -35,8 +39,12 @@ class Model:
     """E_o and E_f; empty where the planner uses none."""
 
 
+@runtime_checkable
 class Modeller(Protocol):
-    """What of a planner makes models: how bursts enter the map, and what stands in for the object."""
+    """What of a planner makes models: how bursts enter the map, and what stands in for the object.
+
+    Both are functions that return something new; a `franbv.planners.Planner` has them.
+    """
 
     @property
     def integrate(self) -> Integrate: ...

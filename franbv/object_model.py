@@ -13,7 +13,13 @@ from franbv.voxel_map import VoxelMap, extent
 
 @dataclass(frozen=True, eq=False)
 class ObjectModel:
-    """What is believed to be the object."""
+    """O_t, what is believed to be the object: its voxels, its frontier and its box B_t (paper, section III-A).
+
+    The object is all that is occupied above the table and hangs together, but for components that are small in
+    themselves or beside the largest (`Parameters.min_component_voxels`, `min_component_share`): those are taken for
+    floaters of false depth. Assumed is a workspace with a table and nothing else in it; whatever large stands there
+    counts as the object.
+    """
 
     occupied: Float[np.ndarray, "n 3"]
     """Centres of the object's occupied voxels, world frame [m]."""

@@ -20,7 +20,11 @@ def _number(default, description: str):
 
 
 class Parameters(BaseModel):
-    """All parameters of PB-NBV and FRA-NBV."""
+    """All parameters of PB-NBV and FRA-NBV: those of the paper's table, and what the paper leaves open.
+
+    Frozen. Unknown keys, numbers out of range, and corners, odds or angles in the wrong order raise pydantic's
+    ValidationError. Nothing of the sensor, the arm or the part is in here, nor how a study evaluates a run.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 

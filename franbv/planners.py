@@ -40,7 +40,12 @@ Judge = Callable[[Model, Model, OrientedBox, Parameters], tuple[float, float]]
 
 @dataclass(frozen=True, eq=False)
 class Recovery:
-    """How reflective regions are found and recovered."""
+    """How reflective regions are found and recovered (paper, section V), as four functions that can be replaced.
+
+    The loop recovers the largest region of a burst alone, scores the poses that remain anew after each acquisition, and
+    ends when Gamma, eq. (15), exceeds `Parameters.recovered_share` or no pose is left. A recovery's own bursts are not
+    searched for regions.
+    """
 
     detect: Detect
     """(burst, model with that burst in it, parameters) -> regions, largest first."""
@@ -54,7 +59,12 @@ class Recovery:
 
 @dataclass(frozen=True, eq=False)
 class Planner:
-    """A next-best-view method."""
+    """A next-best-view method: how bursts enter the map, what stands in for the object, how views are scored.
+
+    Candidates, reachability and the rules that end a run are the loop's and alike for all planners, so that methods
+    differ in what stands here only. The unit of a utility is the planner's own: [px^2] of eq. (2), [nat] of rays. It is
+    compared with those of the same run alone. `name` is what studies and results call the method.
+    """
 
     name: str
     integrate: Integrate

@@ -177,8 +177,8 @@ class _Cell:
         """Keep the acquisition and show it to the observer."""
         depth = burst.median_depth(self.parameters.invalid_share)
         points = burst.T_world_cam.apply(back_project(depth, burst.intrinsics))
-        seconds = self.clock.read()
-        sensing_s = seconds.pop("sensing")
+        spent = self.clock.read()
+        sensing_s = spent.pop("sensing").wall_s
         self.acquisitions.append(
             Acquisition(
                 index=len(self.acquisitions),
@@ -193,7 +193,7 @@ class _Cell:
                 recovery_poses=recovery_poses,
                 gamma=gamma,
                 gamma_attainable=gamma_attainable,
-                planning_s=seconds,
+                planning_s={stage: time.thread_s for stage, time in spent.items()},
                 sensing_s=sensing_s,
                 motion_s=self.motion_s,
             )

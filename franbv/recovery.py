@@ -19,7 +19,13 @@ EQUAL = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class RecoveryPoses:
-    """X_r, the poses that can be taken, and what became of the others (of both diamonds, if a second was tried)."""
+    """X_r, the poses that can be taken, and what became of the others (of both diamonds, if a second was tried).
+
+    Positions o_k = c_r + d n_r + rho (cos theta_k t_1 + sin theta_k t_2), eq. (12), looking at c_r, eq. (13). The paper
+    does not say what happens to poses that cannot be taken: here they are pushed back or dropped, and a diamond with
+    too few of them is turned once (`Parameters.min_recovery_poses`, `diamond_turn_deg`). Min-Z is kept from c_r, and
+    not from all else that a pose may see.
+    """
 
     poses: tuple[RigidTransform, ...]
     """T_world_cam of each pose; all look at `target`."""

@@ -23,7 +23,11 @@ from franbv.sensing import DepthBurst
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A burst before the object as it is believed to be: all that a filter may look at."""
+    """A burst before the object as it is believed to be: all that a filter may look at.
+
+    The ellipsoids are those with this burst in them. There is no infrared image and no truth in it: the paper's
+    detector sees depth alone (section V-A).
+    """
 
     burst: DepthBurst
     ellipsoids: Ellipsoids
@@ -43,7 +47,12 @@ Locate = Callable[[View, Bool[np.ndarray, "h w"]], Float[np.ndarray, "n 3"]]
 
 @dataclass(frozen=True, eq=False)
 class Detection:
-    """What one burst says about reflective regions, filter by filter."""
+    """What one burst says about reflective regions, filter by filter (paper, section V-A, eqs. (6) to (10)).
+
+    Only missing depth is looked at: false depth, which metal gives too, passes unseen. The confidence map and the
+    silhouette are kept whichever filters were asked for. Points lie on ellipsoids and not on the surface, of which
+    nothing was measured there. No side of a box is shorter than a voxel.
+    """
 
     masks: dict[str, Bool[np.ndarray, "h w"]]
     """Pixels kept by each image filter by itself, by the filter's name."""

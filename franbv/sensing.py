@@ -12,7 +12,11 @@ from franbv.frames import Intrinsics
 
 @dataclass(frozen=True)
 class DepthBurst:
-    """N_k depth frames taken from one pose."""
+    """N_k depth frames taken from one pose, D_t(x) of the paper's section IV and eq. (5).
+
+    Camera and scene stand still, so that frames differ by noise alone. Z-depth is measured along the optical axis and
+    not along the ray. There are no infrared images and no truth in it.
+    """
 
     depths: Float[np.ndarray, "n h w"]
     """Z-depth [m], float32, 0 = invalid."""
@@ -40,7 +44,12 @@ def median_depth(depths: Float[np.ndarray, "n h w"], invalid_share: float = 0.5)
 
 @runtime_checkable
 class DepthCamera(Protocol):
-    """A depth camera whose pose is known."""
+    """A depth camera whose pose is known.
+
+    Poses are those of the depth frame, `T_world_cam`; how they were found (a robot's kinematics, a hand-eye
+    calibration) is the implementation's affair. Anything with these members will do; `isinstance` looks at their names
+    alone.
+    """
 
     @property
     def intrinsics(self) -> Intrinsics:
@@ -59,7 +68,11 @@ class DepthCamera(Protocol):
 
 @runtime_checkable
 class Arm(Protocol):
-    """A robot arm that carries the camera."""
+    """A robot arm that carries the camera.
+
+    Poses are those of the depth frame and not of the flange. The way between two poses is the implementation's affair
+    (on the paper's bench MoveIt plans it, section VI); the planner asks only whether a pose can be taken.
+    """
 
     def reachable(self, T_world_cam: RigidTransform) -> bool:
         """Whether the camera can stand at this pose without collision."""

@@ -9,7 +9,10 @@ from franbv.parameters import Parameters
 
 
 class StopReason(StrEnum):
-    """The rule that ended a run."""
+    """The rule that ended a run; its value is what results hold.
+
+    The first two are the paper's (section VI), the third is needed because an arm may reach none of the candidates.
+    """
 
     MAX_ITERATIONS = "max_iterations"
     """N_max next-best views were taken."""

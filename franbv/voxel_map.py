@@ -19,7 +19,12 @@ from franbv.parameters import Parameters
 
 @dataclass(frozen=True, eq=False)
 class VoxelMap:
-    """Occupancy of the workspace; an update returns a new map."""
+    """Occupancy of the workspace; an update returns a new map.
+
+    L = ln(p / (1 - p)) of each voxel: L > 0 is occupied, L < 0 free, L = 0 uncertain (paper, section III-A; the update
+    is OctoMap's, Hornung et al. 2013, clamped). Voxels are taken as independent and the scene as still. Pixels without
+    depth tell nothing, unless `Parameters.carve_on_missing`. What lies outside the grid is lost.
+    """
 
     first: Int[np.ndarray, "3"]
     """Index of the lowest voxel: its centre is first * voxel_size in the world."""

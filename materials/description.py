@@ -14,7 +14,11 @@ from materials.user_materials import NO_USER_MATERIALS, UserMaterials
 
 @dataclass(frozen=True)
 class Description:
-    """One material; what does not apply to it is None."""
+    """One material; what does not apply to it is None.
+
+    For people and reports: what the renderer needs is in `materials.material`. A measured file has its path in `source`
+    and no numbers here.
+    """
 
     name: str
     kind: str

@@ -33,7 +33,11 @@ _MEAN_COS, _MEAN_WEIGHTS = 0.5 * (_nodes + 1.0), 0.5 * (_nodes + 1.0) * _weights
 
 @dataclass(frozen=True, eq=False)
 class AlbedoTable:
-    """E of one roughness over directions: nodes at mu = (i / (n - 1))^2, denser at grazing, and even azimuths."""
+    """E of one roughness over directions: nodes at mu = (i / (n - 1))^2, denser at grazing, and even azimuths.
+
+    Model: GGX facets with separable Smith shadowing, one bounce, no Fresnel factor (Heitz 2018); further bounces are
+    what it tells the lack of. Exact to 0.002 at the nodes, and as near between them. Without a lay there is one column.
+    """
 
     albedo: Float[np.ndarray, "n_cos n_sector"]
     """E(mu, azimuth) of a perfect mirror's facets [0, 1]; azimuth runs from u (first column) to v (last column)."""

@@ -17,7 +17,11 @@ from materials.input_error import InputError
 
 @dataclass(frozen=True)
 class Finish:
-    """GGX roughness of a finish; u runs along the lay."""
+    """GGX roughness of a finish, nominal and as a range that studies sweep; u runs along the lay.
+
+    alpha is the median slope of the facets, not a height such as Ra; `alpha_from_profile_slope` gives it from a
+    profile. A finish is the same all over the surface: single scratches, waviness and feed marks as such are left out.
+    """
 
     alpha_u: float
     """Nominal roughness along the lay [-]."""

@@ -30,7 +30,13 @@ def _check(material: str, field: str, value: float, limits: tuple[float, float])
 
 @dataclass(frozen=True)
 class RoughConductor:
-    """A metal: GGX microfacets with complex index n + ik (Walter et al. 2007), and an optional diffuse oxide share."""
+    """A metal: GGX microfacets with complex index n + ik (Walter et al. 2007), and an optional diffuse oxide share.
+
+    BRDF = (1 - s) (F D G / (4 cos_i cos_o) + f_more) + s rho / pi, with s the oxide's share, rho its albedo, F for
+    unpolarised light, and f_more the light of further bounces (`materials.energy_compensation`). Light goes by rays: no
+    diffraction, and no film of oil or clear oxide. Raises InputError for a number out of `INDEX_RANGE`, `ALPHA_RANGE`
+    or [0, 1].
+    """
 
     name: str
     """`metal:finish`."""
@@ -58,7 +64,12 @@ class RoughConductor:
 
 @dataclass(frozen=True)
 class RoughPlastic:
-    """A dielectric coat over a diffuse base."""
+    """A dielectric coat over a diffuse base.
+
+    Model: GGX facets of a clear coat and a Lambertian base below, which the inside of the coat lights again and again
+    (Saunderson 1942, see `materials.coat`; Mitsuba's `roughplastic`, `nonlinear`). The coat absorbs nothing. Raises
+    InputError for a number out of `COAT_INDEX_RANGE`, `ALPHA_RANGE` or [0, 1].
+    """
 
     name: str
     n: float
@@ -76,7 +87,11 @@ class RoughPlastic:
 
 @dataclass(frozen=True)
 class Matte:
-    """A Lambertian surface."""
+    """A Lambertian surface: BRDF = reflectance / pi [1/sr], whatever the directions.
+
+    The renderer interpolates light on such surfaces alone (`render.light.smooth`), and matte twins are made of it
+    (`materials.catalog.matte_twin`). Raises InputError for a reflectance outside [0, 1].
+    """
 
     name: str
     reflectance: float
@@ -88,7 +103,11 @@ class Matte:
 
 @dataclass(frozen=True)
 class Measured:
-    """A measured spectral RGL `.bsdf` file (Dupuy and Jakob 2018), interpolated to 850 nm."""
+    """A measured spectral RGL `.bsdf` file (Dupuy and Jakob 2018), interpolated to 850 nm.
+
+    It holds the file's name alone; `materials.measured_file` checks the file where it is named and before it is
+    rendered.
+    """
 
     name: str
     path: Path

@@ -24,7 +24,7 @@ _TYPES = {1: np.uint8, 5: np.uint32, 10: np.float32, 11: np.float64}
 
 @dataclass(frozen=True)
 class TensorField:
-    """One array of the file."""
+    """One array of the file as the file's head announces it: element type `dtype`, and `shape`, slowest index first."""
 
     dtype: type
     shape: tuple[int, ...]

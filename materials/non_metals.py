@@ -22,7 +22,7 @@ COAT_ALPHA = 0.13
 
 @dataclass(frozen=True)
 class NonMetal:
-    """A named material and where its numbers come from."""
+    """A named material at 850 nm and where its numbers come from."""
 
     material: Matte | RoughPlastic
     source: str

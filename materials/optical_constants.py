@@ -26,7 +26,11 @@ _WEAVER = "J. H. Weaver, C. G. Olson, D. W. Lynch, Phys. Rev. B 12, 1293 (1975)"
 
 @dataclass(frozen=True)
 class OpticalConstants:
-    """One metal at 850 nm."""
+    """One metal at 850 nm: n + ik of the bare metal, linear between the rows of the source's table.
+
+    Valid in `BAND_NM`; `optical_constants` refuses other wavelengths. Oxide and the alloy's exact make are left out:
+    plain carbon steel is taken as iron.
+    """
 
     n: float
     """Real part of the refractive index [-]."""

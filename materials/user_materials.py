@@ -39,11 +39,16 @@ class _Entry(BaseModel):
 
 
 class UserMetal(_Entry):
-    """A metal; combine it with any finish."""
+    """A metal n + ik of the user's, `kind: metal`; combine it with any finish.
+
+    Ranges are those of `RoughConductor`; constants that do not hold at 850 nm raise InputError when the metal is used.
+    """
 
     kind: Literal["metal"]
     n: float
+    """Real part of the refractive index [-]."""
     k: float
+    """Extinction coefficient [-]."""
     valid_nm: tuple[float, float]
     """Wavelengths at which n, k hold [nm]; must contain 850."""
     oxide_reflectance: float | None = None
@@ -51,24 +56,30 @@ class UserMetal(_Entry):
 
 
 class UserPlastic(_Entry):
-    """A clear coat over a diffuse base."""
+    """A clear coat over a diffuse base, `kind: plastic`: a `RoughPlastic` by what is seen from outside.
+
+    A reflectance that no base under such a coat can give raises InputError.
+    """
 
     kind: Literal["plastic"]
     n: float
+    """Refractive index of the coat at 850 nm [-]."""
     alpha: float
+    """GGX roughness of the coat [-]."""
     reflectance: float
     """As seen from outside near the normal, without the coat's mirror reflection [0, 1]."""
 
 
 class UserMatte(_Entry):
-    """A Lambertian surface."""
+    """A Lambertian surface, `kind: matte`."""
 
     kind: Literal["matte"]
     reflectance: float
+    """Albedo at 850 nm [0, 1]."""
 
 
 class UserMeasured(_Entry):
-    """A measured BSDF in the RGL format."""
+    """A measured BSDF in the RGL format, `kind: measured`; the file must cover 850 nm, else InputError."""
 
     kind: Literal["measured"]
     file: Path
@@ -84,7 +95,11 @@ UserEntry = Annotated[UserMetal | UserPlastic | UserMatte | UserMeasured, Field(
 
 
 class UserMaterials(BaseModel):
-    """The materials of one file, by name."""
+    """The materials of one file, by name.
+
+    `load_user_materials` reads and checks them all, numbers, names and files; made otherwise, they are checked for
+    their keys and types alone.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 

@@ -1,22 +1,19 @@
 """A simulated RealSense D435i or D415: radiance, imagers, stereo matcher, z16, decimation, crop.
 
-Implements `DepthCamera`.
+Implements `DepthCamera`. With its settings, `render.sensor`, it is the only face of this package to the studies.
 """
 
 import copy
 import hashlib
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal, TypeVar
 
 import numpy as np
 from jaxtyping import Float32, UInt8, UInt16
-from pydantic import BaseModel, ConfigDict, Field, field_validator
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
 from franbv.sensing import DepthBurst
-from render.depth.coding import MOST_UNITS, DepthFormat, metres_from_z16, z16_from_disparity
+from render.depth.coding import metres_from_z16, z16_from_disparity
 from render.depth.decimation import block_centre_intrinsics, crop_centre, decimate
 from render.imager.expose import expose_burst
 from render.imager.exposure import auto_exposure
@@ -26,113 +23,22 @@ from render.light.pattern import PROJECTORS, dot_pattern
 from render.light.projector import ProjectorLight
 from render.light.radiance import RadianceLayers, render_stereo, stop_at_first_surface
 from render.light.sampling import Sampling
-from render.matcher import d400_preset as keys
-from render.matcher.by_name import matcher_by_name
-from render.matcher.d400_preset import D400Preset, is_file_name, load_preset
 from render.matcher.interface import StereoMatcher, Window
+from render.sensor import SensorSettings
 from render.world.mitsuba_scene import load_scene
 from render.world.rig import Rig, camera_rig
 from render.world.truth import Truth, measure_truth
 from scenes.scene import Scene
 
-SET_POINT_PER_DN = 16
-"""Of a preset's auto-exposure set-point, read as 12 bits (see `ImagerSettings.set_point`)."""
-IMAGER_KEYS = {keys.LASER_POWER: "laser_power_mw", keys.EXPOSURE: "exposure_us", keys.GAIN: "gain"}
-"""Keys of a preset's file with the imager's settings that they are about, in the same units."""
-AnySettings = TypeVar("AnySettings", bound=BaseModel)
-
-
-class SensorSettings(BaseModel):
-    """Everything about the camera that a user can set."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    model: Literal["d435i", "d415"] = "d435i"
-    """Camera of the D400 family. The D415's rolling shutter is left out: nothing moves during a burst."""
-    profile: str = "640x360"
-    """Stream profile. Of the D435i's, 640x360 gives 60 x 40 and still measures at a recovery pose's 141 mm (Min-Z
-    127 mm); 640x480, a crop of the chip with a longer focal length, begins at 153 mm."""
-    roll_deg: float = Field(default=0.0, ge=-180.0, le=180.0)
-    """Turn of the camera in its mount about its optical axis, clockwise as the camera looks [deg]; 0 = baseline
-    horizontal, 90 = on end with the right imager below (choice: 0, as on a tripod). The camera measures from whatever
-    pose it is given: whoever makes poses turns them, the planner by `Parameters.roll_deg`, which the commands set from
-    here."""
-    preset: str = "default"
-    """Preset of the RealSense viewer: default, high_accuracy, high_density, medium_density, hand, or a JSON file (a
-    relative path counts from where the command runs), or its text. It sets the matcher; a file also sets depth
-    units and clamps, laser, exposure and gain where they have their defaults here."""
-    decimation: int = Field(default=8, ge=1, le=8)
-    """Factor of librealsense's decimation filter, 1 = off (paper: maximum)."""
-    crop: tuple[int, int] | None = (60, 40)
-    """Width and height of the middle part that is kept after decimation; None = all (paper: 60 x 40)."""
-    matcher: Literal["d4", "sgbm"] = "d4"
-    """Stereo matcher: like the D4 chip, or OpenCV's StereoSGBM."""
-    imager: ImagerSettings = ImagerSettings()
-    """Exposure, noise and optics of both imagers."""
-    auto_exposure: bool = True
-    """Choose exposure and gain per pose, as the D400 does by default; otherwise those of `imager` hold."""
-    depth: DepthFormat = DepthFormat()
-    """Coding of z16."""
-
-    @field_validator("preset")
-    @classmethod
-    def _known(cls, preset: str) -> str:
-        """Names in one spelling; files are read by `resolved`."""
-        return preset if is_file_name(preset) or preset.lstrip().startswith("{") else load_preset(preset).name
-
-    @property
-    def rig(self) -> Rig:
-        """Imagers and projector, and the matcher's range."""
-        return camera_rig(self.model, self.profile, load_preset(self.preset).shift)
-
-    @property
-    def stereo_matcher(self) -> StereoMatcher:
-        """What makes disparities of the infrared pairs."""
-        return matcher_by_name(self.matcher, load_preset(self.preset))
-
-    def resolved(self) -> "SensorSettings":
-        """The settings with the preset's content in place of its file.
-
-        What concerns the matcher stays in `preset`, as text; the rest goes to the settings that it is about, unless
-        they were changed from their defaults: whoever changes one after loading a preset means it.
-        """
-        preset, defaults = load_preset(self.preset), SensorSettings()
-        imager, depth, others = preset_settings(preset, self.model)
-        update: dict[str, Any] = {
-            "preset": preset.matcher_text,
-            "imager": _over_defaults(self.imager, defaults.imager, imager),
-            "depth": _over_defaults(self.depth, defaults.depth, depth),
-        }
-        return _over_defaults(self.model_copy(update=update), defaults, others)
-
-
-def preset_settings(preset: D400Preset, model: str) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
-    """What a preset's file says of imager, depth coding and the rest of the sensor, by the settings' names.
-
-    The set-point's unit is known of the D435i alone: a D415's is left out.
-    """
-    v = preset.values
-    imager = {name: v[key] for key, name in IMAGER_KEYS.items() if key in v}
-    if keys.SET_POINT in v and model == "d435i":
-        imager["set_point"] = v[keys.SET_POINT] / SET_POINT_PER_DN
-    if v.get(keys.LASER_ON, 1) == 0:
-        imager["laser_power_mw"] = 0.0
-    clamps = {"clamp_min": keys.CLAMP_MIN, "clamp_max": keys.CLAMP_MAX}
-    depth: dict[str, Any] = {name: min(int(v[key]), MOST_UNITS) for name, key in clamps.items() if key in v}
-    if keys.UNITS in v:
-        depth["unit"] = preset.depth_unit
-    return imager, depth, {"auto_exposure": bool(v[keys.AUTO_EXPOSURE])} if keys.AUTO_EXPOSURE in v else {}
-
-
-def _over_defaults(settings: AnySettings, defaults: AnySettings, said: Mapping[str, Any]) -> AnySettings:
-    """The settings with what was said about those that have their defaults."""
-    untouched = {name: value for name, value in said.items() if getattr(settings, name) == getattr(defaults, name)}
-    return settings.model_copy(update=untouched)
-
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """All that one pose gives, before and after decimation."""
+    """All that one pose gives, before and after decimation.
+
+    Both layers of each imager are kept, from which `SimulatedD435i.expose` makes other exposures without a new
+    rendering. The n frames share them and their speckle; shot and read noise are drawn anew for each. What is really
+    there is not in it: see `SimulatedD435i.truth`.
+    """
 
     T_world_cam: RigidTransform
     """Pose of the left imager."""
@@ -155,8 +61,13 @@ class Measurement:
 class SimulatedD435i:
     """The camera in front of one scene.
 
-    Noise and speckle depend on the seed and the pose alone, so a pose gives the same frames whatever was measured
-    before, and the first frames of a longer burst are those of a shorter one.
+    Radiance at 850 nm -> electrons -> pairs of 8 bits -> disparity d -> Z = f B / d -> z16 -> decimation -> crop. Noise
+    and speckle depend on the seed and the pose alone, so a pose gives the same frames whatever was measured before, and
+    the first frames of a longer burst are those of a shorter one.
+
+    Camera and scene stand still, the pose is exact and the pair perfectly rectified. Left out: the colour imager, the
+    inertial unit, librealsense's filters but decimation, and what `render.imager.expose` and `render.light.paths` name.
+    Raises BackendError where nothing can render, InputError for settings or a scene that it cannot take.
     """
 
     def __init__(
@@ -170,7 +81,8 @@ class SimulatedD435i:
         """Load the scene. sampling: see `Sampling`; matcher: any `StereoMatcher` instead of the one that is named."""
         self.settings = (settings or SensorSettings()).resolved()
         self._matcher = matcher or self.settings.stereo_matcher
-        self.rig: Rig = camera_rig(self.settings.model, self.settings.profile, self._matcher.shift)
+        shift = getattr(self._matcher, "shift", 0)  # a matcher of the caller's may know none
+        self.rig: Rig = camera_rig(self.settings.model, self.settings.profile, shift)
         self.world = load_scene(scene)
         self._seed = seed
         self._sampling = sampling or Sampling()

@@ -1,9 +1,18 @@
-"""What all tests share: the shapes and types of the annotations are executed, except where times are taken."""
+"""What all tests share: the shapes and types of the annotations are executed, except where times are taken.
 
+Of several test processes each has its share of the processors; what a test starts inherits it.
+"""
+
+import os
 from pathlib import Path
 
-import jaxtyping
-import pytest
+THREADS = max(1, (os.cpu_count() or 1) // int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
+"""Of each test process."""
+for variable in ("FRANBV_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):  # read when the libraries are loaded
+    os.environ.setdefault(variable, str(THREADS))
+
+import jaxtyping  # noqa: E402
+import pytest  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("franbv", "render", "scenes", "materials", "studies")

@@ -7,7 +7,7 @@ import pytest
 from studies.base.flags import parse
 from studies.comparison.command import ComparisonCommand
 from studies.comparison.links import LINKS
-from studies.comparison.preset import PRESETS
+from studies.comparison.preset import ComparisonPreset
 from studies.run.ablation import ABLATIONS
 from tests.conftest import ROOT
 
@@ -22,7 +22,7 @@ def test_its_commands_can_be_given():
     assert len(commands) == 3
     for command in commands:
         given = parse(ComparisonCommand, command.split(), "franbv study comparison", "")
-        assert given.preset in PRESETS
+        assert given.preset in ComparisonPreset.of_ours()
         assert set(given.ablations) <= set(ABLATIONS)
         assert set(given.links) <= set(LINKS)
 

@@ -36,6 +36,13 @@ def test_the_wheel_holds_the_packages_and_their_data(tmp_path: Path):
     assert held == {path.as_posix() for path in shipped_files()}
 
 
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_package_says_that_it_is_typed(package: str):
+    """PEP 561: type checkers read the annotations of an installed package only beside a `py.typed`; the wheel holds all
+    shipped files, this one among them."""
+    assert ROOT / package / "py.typed" in map(ROOT.joinpath, shipped_files())
+
+
 @pytest.mark.parametrize("folder", [*PACKAGES, "tests", "examples", "docs", ".ci", "."])
 def test_no_file_names_a_personal_folder(folder: str):
     """Paths of the machine on which a file was made are of no use on another, and say whose it was."""

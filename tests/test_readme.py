@@ -15,7 +15,9 @@ TEXT = (ROOT / "README.md").read_text()
 
 def test_its_commands_and_links_exist():
     """Every `franbv X` is a command, every `make X` a target, every link into the repository a file or folder."""
-    assert set(re.findall(r"\bfranbv ([a-z]+)", TEXT)) <= set(COMMANDS)
+    named = set(re.findall(r"\bfranbv ([a-z]+)", TEXT))
+    assert named <= {name.split()[0] for name in COMMANDS}
+    assert set(re.findall(r"\bfranbv ((?:study|dataset) [a-z]+)", TEXT)) <= set(COMMANDS)
     targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
     assert set(re.findall(r"^    make ([a-z-]+)", TEXT, re.MULTILINE)) <= targets
     links = [link for link in re.findall(r"\]\(([^)]+)\)", TEXT) if not link.startswith("https://")]

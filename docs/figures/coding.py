@@ -6,6 +6,7 @@ from docs.figures.drawing import panels, show_error, write
 from franbv.candidates import first_view
 from franbv.parameters import Parameters
 from render.d435i import SensorSettings, SimulatedD435i
+from render.world.truth import looks_at_part
 from scenes.build import part_scene
 
 FRAMES = 5
@@ -18,7 +19,7 @@ def main() -> None:
     scene, pose = part_scene("D"), first_view(Parameters(), 0.0)
     camera = SimulatedD435i(scene, SensorSettings(crop=None))
     truth = camera.truth(pose)
-    on_part = np.isin(truth.body, [i for i, body in enumerate(scene.bodies) if body.is_part])
+    on_part = looks_at_part(truth, scene)
     burst, layers = {}, camera.render(pose)
     print("part D, first view: share of the part without depth, and of its depth more than 5 mm off")
     for factor in (1, 2, 4, 8):

@@ -9,6 +9,7 @@ from franbv.parameters import Parameters
 from render.d435i import SensorSettings, SimulatedD435i
 from render.labels.causes import LEGEND
 from render.labels.labels import label_frame
+from render.world.truth import looks_at_part
 from scenes.build import part_scene
 
 FRAMES = 5
@@ -21,7 +22,7 @@ def main() -> None:
     camera = SimulatedD435i(scene, SensorSettings(crop=None))
     measurement, truth = camera.measure(pose, FRAMES), camera.truth(pose)
     picture = label_frame(camera, pose, measurement, truth=truth).picture
-    on_part = np.isin(truth.body, [i for i, body in enumerate(scene.bodies) if body.is_part])
+    on_part = looks_at_part(truth, scene)
     print("share of the pixels: on part D, elsewhere")
     shown = []
     for cause, entry in LEGEND.items():

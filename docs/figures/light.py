@@ -9,6 +9,7 @@ from materials.material import Matte
 from render.d435i import SensorSettings, SimulatedD435i
 from render.light.radiance import Sampling
 from render.world.rig import PROJECTOR_OFFSET
+from render.world.truth import looks_at_part
 from scenes.build import part_scene
 from scenes.scene import Body, Scene
 from tests.physics.simple_scenes import facing_x, rectangle, wall
@@ -24,7 +25,7 @@ def main() -> None:
     """Print what bounces add and where the shadow falls; draw part D's layers and the shadow."""
     scene, pose = part_scene("D"), first_view(Parameters(), 0.0)
     camera = SimulatedD435i(scene, SETTINGS)
-    on_part = np.isin(camera.truth(pose).body, [i for i, body in enumerate(scene.bodies) if body.is_part])
+    on_part = looks_at_part(camera.truth(pose), scene)
     left, right = camera.render(pose)
     once, _ = camera.stopped_at_first_surface(pose, left, right)
     for name in ("projector", "ambient"):

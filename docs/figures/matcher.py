@@ -9,6 +9,7 @@ from render.d435i import SensorSettings, SimulatedD435i
 from render.depth.coding import metres_from_z16, z16_from_disparity
 from render.matcher.d4.matcher import D4Matcher
 from render.matcher.sgbm import SgbmMatcher
+from render.world.truth import looks_at_part
 from scenes.build import part_scene
 
 AROUND = np.s_[90:290, 220:420]
@@ -21,7 +22,7 @@ def main() -> None:
     settings = SensorSettings(crop=None)
     camera = SimulatedD435i(scene, settings)
     measured, truth = camera.measure(pose, 1), camera.truth(pose)
-    on_part = np.isin(truth.body, [i for i, body in enumerate(scene.bodies) if body.is_part])
+    on_part = looks_at_part(truth, scene)
     figure, axes = panels(3, width=7.6, height=2.1)
     show_grey(axes[0], measured.lefts[0][AROUND], "left infrared image")
     for panel, (name, matcher) in zip(axes[1:], {"D4-like": D4Matcher(), "SGBM": SgbmMatcher()}.items(), strict=True):

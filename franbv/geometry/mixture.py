@@ -32,7 +32,12 @@ Parts = tuple[Float[np.ndarray, "_"], Float[np.ndarray, "_ 3"], Float[np.ndarray
 
 @dataclass(frozen=True, eq=False)
 class Mixture:
-    """A Gaussian mixture and the hard assignment of its points."""
+    """A Gaussian mixture sum_k w_k N(x; m_k, C_k) of points [voxels] and the hard assignment of its points.
+
+    `weights` w_k add up to one, `means` m_k are in voxels. Found by expectation maximisation from one start, so it is a
+    local maximum of the likelihood; `select_mixture` chooses the number of components (paper, section III-B: BIC). A
+    component may be no point's most probable one.
+    """
 
     weights: Float[np.ndarray, "k"]
     means: Float[np.ndarray, "k 3"]

@@ -21,7 +21,11 @@ CHUNK = 2_000_000
 
 @dataclass(frozen=True, eq=False)
 class OrientedBox:
-    """A box with its own axes."""
+    """A box with its own axes: all centre + axes @ s with |s_i| <= half_extents_i.
+
+    It stands for B_t, the object (paper, section III-A), and for B_r, the reflective regions (section V-A).
+    `oriented_box` finds it around points, not always the smallest of all: see the head of the module. Sides may be 0.
+    """
 
     centre: Float[np.ndarray, "3"]
     """Centre, world frame [m]."""

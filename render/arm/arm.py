@@ -23,7 +23,11 @@ CLEARANCE = 0.005
 
 @dataclass(frozen=True)
 class ArmLimits:
-    """Speeds and reach of an ABB GoFa 12 (CRB 15000-12/1.27) that stands on the table."""
+    """Speeds and reach of an ABB GoFa 12 (CRB 15000-12/1.27) that stands on the table.
+
+    Speeds are those of the wrist's straight way and of its turn, with a trapezoidal profile each. Limits of single
+    joints, jerk and load are left out.
+    """
 
     speed: float = 1.25
     """Of the wrist [m/s]: axes 1 and 2 turn at 120 deg/s (ROS-Industrial, after ABB's manual 3HAC077389-001), which
@@ -46,8 +50,13 @@ class ArmLimits:
 
 @dataclass
 class SimulatedArm:
-    """The `franbv.sensing.Arm` of the simulator. Poses are those of the left infrared imager; they carry the camera's
-    roll, and the outline of what moves with it turns with them."""
+    """The `franbv.sensing.Arm` of the simulator. Poses are those of the left infrared imager.
+
+    They carry the camera's roll, and the outline of what moves with it turns with them. A pose can be taken if that
+    imager is in the workspace, the wrist within reach of the shoulder, and housing, bracket and wrist keep CLEARANCE
+    from the table and the part and are not inside it. A move takes the longer of two trapezoidal times, way and turn: a
+    lower bound of a planned one. Left out: joints and links, collisions on the way, lamps and walls.
+    """
 
     part: Solid
     """What stands on the table."""

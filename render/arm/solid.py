@@ -16,7 +16,11 @@ SAMPLE_SEED = 0
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """One or several closed meshes; open ones work as far as the solid angle tells inside from outside."""
+    """One or several closed meshes as an obstacle.
+
+    Open ones work as far as the solid angle tells inside from outside. The surface is known by points SAMPLE_SPACING
+    apart on average, the inside by the winding number.
+    """
 
     triangles: Float[np.ndarray, "m 3 3"]
     """Corners, world [m]."""

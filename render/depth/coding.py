@@ -14,7 +14,11 @@ MOST_UNITS = 2**16 - 1
 
 
 class DepthFormat(BaseModel):
-    """How depth is coded; the depth table of librealsense's advanced mode."""
+    """How depth is coded; the depth table of librealsense's advanced mode.
+
+    z16 = f B / (d unit) for a disparity d, rounded to the nearest; 0 where that is outside the clamps. A clamp never
+    moves a depth. Unknown keys and numbers out of range raise pydantic's ValidationError.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 

@@ -24,7 +24,14 @@ WHITE_LEVEL = 255.0
 
 
 class ImagerSettings(BaseModel):
-    """One imager and its exposure; both imagers of a camera share them."""
+    """One imager and its exposure; both imagers of a camera share them.
+
+    Electrons of a native pixel = E a t q / (h c / lambda), with E = pi L T / (4 N^2) of radiance L, pixel area a,
+    exposure time t, quantum efficiency q, transmission T and f-number N; grey value = pedestal + dn_per_electron *
+    electrons, with shot and read noise, cut to 0-255 and rounded. The response is linear up to white.
+    `render.imager.expose` names what is left out. Unknown keys and numbers out of range raise pydantic's
+    ValidationError.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 

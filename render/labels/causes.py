@@ -8,7 +8,10 @@ from jaxtyping import Bool, UInt8
 
 
 class Cause(IntEnum):
-    """What a pixel of a label map says."""
+    """What a pixel of a label map says, as an 8-bit code; `LEGEND` tells what each one means.
+
+    1 to 12 are missing depth, 20 and 21 false depth; every invalid pixel has exactly one.
+    """
 
     MEASURED = 0
     OUT_OF_RANGE = 1
@@ -30,7 +33,7 @@ class Cause(IntEnum):
 
 @dataclass(frozen=True)
 class LegendEntry:
-    """How a cause is shown."""
+    """How a cause is named, shown and told."""
 
     name: str
     group: str

@@ -29,7 +29,12 @@ that looks alike from both sides [px]."""
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """Where geometry forbids depth, or the dots; all maps of the left image at full resolution."""
+    """Where geometry forbids depth, or the dots; all maps of the left image at full resolution.
+
+    Read off the exact maps of the pose, so it is the same whatever the surfaces are made of. A pixel's window is all
+    that lies within SUPPORT_PX of it. `impossible` settles a pixel by itself, the other maps only together with what
+    the matte twin shows.
+    """
 
     impossible: UInt8[np.ndarray, "h w"]
     """Cause of the pixels whose own point cannot be measured (out of range, no overlap, occlusion), else MEASURED."""

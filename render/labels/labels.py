@@ -35,7 +35,12 @@ from render.world.truth import Truth
 
 @dataclass(frozen=True, eq=False)
 class Labels:
-    """Of one burst: at full resolution, and decimated and cropped as the planner gets it."""
+    """Of one burst: at full resolution, and decimated and cropped as the planner gets it.
+
+    A decimated pixel is invalid or false by its own depth: `false_decimated` and `false_by_reflection_decimated` say of
+    it what the maps before say of a pixel, and `cause_decimated` is the cause that most of its block share. A cause is
+    what was found by changing one thing at a time (head of the module); where several would do, the first one counts.
+    """
 
     cause: UInt8[np.ndarray, "h w"]
     """`Cause` of every invalid pixel; MEASURED where there is depth, UNMEASURED outside the crop."""

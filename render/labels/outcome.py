@@ -30,7 +30,12 @@ left-right check allows 0.75 px)."""
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Of one burst; the full-resolution maps count only inside the camera's window."""
+    """Of one burst; the full-resolution maps count only inside the camera's window.
+
+    `invalid`: no depth in half of the frames or more (FRA-NBV, eq. 7). False: |Z - truth| > max(5 mm, 3 sigma), with
+    sigma = Z^2 0.1 px / (f B), of the median of the valid frames. `invalid_decimated` and `false_decimated` say the
+    same of decimated depth, whose truth is the decimated truth (`perfect_blocks`).
+    """
 
     invalid: Bool[np.ndarray, "h w"]
     is_false: Bool[np.ndarray, "h w"]

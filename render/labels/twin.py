@@ -25,7 +25,11 @@ from scenes.scene import Scene
 
 @dataclass(frozen=True, eq=False)
 class MatteTwin:
-    """What the camera sees of the twin from one pose; any material of the same geometry may share it."""
+    """What the camera sees of the twin from one pose; any material of the same geometry may share it.
+
+    Every surface that is not matte reflects diffusely with `materials.catalog.TWIN_REFLECTANCE`; the noise has the same
+    seed, and the exposure is chosen anew where the camera chooses it.
+    """
 
     outcome: Outcome
     lost_to_shadow: Bool[np.ndarray, "h w"]

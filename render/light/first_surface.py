@@ -69,7 +69,10 @@ class Dots:
 
 @dataclass(frozen=True, eq=False)
 class FirstSurface:
-    """Of one imager at one pose."""
+    """Of one imager at one pose: what it sees of the scene's geometry, traced when first asked for and kept.
+
+    It serves every scene of the same meshes and lamps, whatever they are made of.
+    """
 
     world: LoadedScene
     light: ProjectorLight
@@ -131,7 +134,7 @@ class FirstSurface:
 
 @dataclass(frozen=True, eq=False)
 class StereoView:
-    """What both imagers meet first."""
+    """What both imagers meet first, of a scene or of any other one of its geometry."""
 
     left: FirstSurface
     right: FirstSurface

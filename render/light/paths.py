@@ -39,7 +39,10 @@ own light."""
 
 @dataclass
 class PathLight:
-    """What light paths bring, one value a path [W m^-2 sr^-1]."""
+    """What light paths bring, one value a path [W m^-2 sr^-1]; Dr.Jit Floats.
+
+    `projector` and `lamps` hold the light of whole paths, the latter with what comes from outside the scene.
+    """
 
     projector: Any
     lamps: Any

@@ -87,7 +87,11 @@ PROJECTORS = {
 
 @dataclass(frozen=True, eq=False)
 class DotPattern:
-    """Relative brightness, mean 1 over the field, in coordinates (x / z, y / z) of the projector."""
+    """Relative brightness, mean 1 over the field, in coordinates (x / z, y / z) of the projector.
+
+    Gaussian dots on a faint veil, placed at random with the density and spacing of real ones (head of the module): like
+    the D435's pattern in its statistics and not dot by dot.
+    """
 
     half_field: tuple[float, float]
     """Tangents of the half field angles."""

@@ -11,7 +11,13 @@ from render.world import backend
 
 @dataclass(frozen=True, eq=False)
 class ProjectorLight:
-    """The dot projector as a point light with a pattern, on the device."""
+    """The dot projector as a point light with a pattern, on the device.
+
+    A white wall at 1 m across the axis would have the radiance s = mean * pattern; a surface at distance r and angle a
+    to the axis that faces the projector is lit with pi s / (r^2 cos^3 a). `sharp` and `blurred` are the textures of a
+    `DotPattern` and `sigma` its dots' width, `position` is in the world [m]. A point has no aperture: its shadows have
+    sharp edges.
+    """
 
     half_field: tuple[float, float]
     """Tangents of the half field angles."""

@@ -38,7 +38,11 @@ class StoppedPaths:
 
 @dataclass(frozen=True, eq=False)
 class RadianceLayers:
-    """One imager's radiance image, apart by source, so that laser power and lamps scale without a new rendering."""
+    """One imager's radiance image, apart by source, so that laser power and lamps scale without a new rendering.
+
+    Transport is linear: the image is projector * power / reference power + ambient. Pixels are boxes; lens, speckle and
+    noise are the imager's. Left out is light that metal throws onto matte surfaces (`render.light.paths`).
+    """
 
     projector: Float32[np.ndarray, "h w"]
     """At the laser power that the projector light was made with [W m^-2 sr^-1]."""

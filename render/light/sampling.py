@@ -19,7 +19,11 @@ first, since a Sobol' set is most even in its first dimensions."""
 
 @dataclass(frozen=True)
 class Sampling:
-    """How many samples are spent where. `make bench` prints how far the defaults are from 1024 samples a pixel."""
+    """How many samples are spent where. `make bench` prints how far the defaults are from 1024 samples a pixel.
+
+    They trade time for error alone, but for `max_depth`, which cuts light off, and `filtered`, which blurs mirrored
+    dots.
+    """
 
     subpixels: int = 4
     """Positions in a pixel that sees Lambertian surfaces only."""
@@ -64,7 +68,10 @@ class Sampling:
 
 @dataclass(frozen=True, eq=False)
 class SampleSet:
-    """A scrambled Sobol' set that every pixel shares, or that every pixel shifts at random (`rotated`)."""
+    """A scrambled Sobol' set that every pixel shares, or that every pixel shifts at random (`rotated`).
+
+    `table` (Dr.Jit Float) holds the n points one after the other, `dimensions` coordinates each.
+    """
 
     n: int
     """Samples per pixel, a power of two."""

@@ -28,7 +28,12 @@ the diagonal of a pixel, on surfaces that are seen at up to 80 deg from their no
 
 @dataclass(frozen=True, eq=False)
 class SmoothLight:
-    """Radiance of the Lambertian surfaces that one imager sees, the light of the dots themselves left out."""
+    """Radiance of the Lambertian surfaces that one imager sees, the light of the dots themselves left out.
+
+    It is taken as the same in all directions and as varying slowly within a surface: computed at every n-th pixel and
+    interpolated (irradiance caching: Ward, Rubinstein and Clear 1988). Edges of lamp shadows are as coarse as that. 0
+    on all other surfaces.
+    """
 
     imager: Imager
     surface: SurfaceMap

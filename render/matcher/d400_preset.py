@@ -72,7 +72,11 @@ D400_PRESETS = {
 
 @dataclass(frozen=True)
 class D400Preset:
-    """What a preset means to the simulated camera."""
+    """What a preset means to the simulated camera.
+
+    Values count in proportion to the Default preset's (head of the module). What the matcher has no counterpart for
+    changes nothing and is named in `ignored`.
+    """
 
     name: str
     """Of the preset or its file."""
@@ -90,7 +94,7 @@ class D400Preset:
     @property
     def depth_unit(self) -> float:
         """Depth of one z16 step [m]."""
-        return self.values.get(UNITS, 1000) * 1e-6
+        return self.values.get(UNITS, 1000) / 1e6
 
     @property
     def matcher_text(self) -> str:

@@ -39,12 +39,11 @@ class Window:
 
 @runtime_checkable
 class StereoMatcher(Protocol):
-    """Anything that finds the disparities of rectified, row-aligned infrared pairs."""
+    """Anything that finds the disparities of rectified, row-aligned infrared pairs.
 
-    @property
-    def shift(self) -> int:
-        """Added to every search's start, the chip's `disparityShift` [px]."""
-        ...
+    A point at Z-depth Z has disparity d = f B / Z [px]. Every pair is matched by itself: nothing is carried over
+    between the frames of a burst. A pixel without a match is 0; no confidence is given.
+    """
 
     def match_burst(
         self,

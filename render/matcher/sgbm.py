@@ -22,7 +22,11 @@ PATH_MARGIN = 48
 
 @dataclass(frozen=True)
 class SgbmMatcher(StereoMatcher):
-    """StereoSGBM with left-right check, uniqueness, speckle filter and a texture gate."""
+    """StereoSGBM with left-right check, uniqueness, speckle filter and a texture gate.
+
+    Finds 1/16 px. P1 and P2 are 8 and 32 times the block's area (OpenCV's documentation). A reference whose workings
+    are public; its settings are not fitted to any camera.
+    """
 
     block_size: int = 5
     """Side of the matched block [px]; OpenCV's documentation advises 3..11."""

@@ -22,6 +22,8 @@ LIBRARY_VARIABLE = "DRJIT_LIBLLVM_PATH"
 """Environment variable from which Dr.Jit takes the library."""
 VARIANT_VARIABLE = "FRANBV_VARIANT"
 """Environment variable that overrides the choice of variant."""
+THREADS_VARIABLE = "FRANBV_THREADS"
+"""Environment variable with the CPU threads that Dr.Jit starts with; without it, one for each processor."""
 VARIANTS = ("llvm_ad_mono", "cuda_ad_mono")
 """Mitsuba variants that fit: one channel is 850 nm."""
 SYSTEM_FOLDERS = (
@@ -70,6 +72,8 @@ def _started_variant() -> str:
         _choose_llvm()
     import drjit
 
+    if THREADS_VARIABLE in os.environ:
+        drjit.set_thread_count(_wanted_threads(os.environ[THREADS_VARIABLE]))
     has_cuda = bool(drjit.has_backend(drjit.JitBackend.CUDA))
     if wanted == "cuda_ad_mono" and not has_cuda:
         raise BackendError(f"{VARIANT_VARIABLE}=cuda_ad_mono: no CUDA driver was found; unset it to render on the CPU")
@@ -77,6 +81,12 @@ def _started_variant() -> str:
         return "cuda_ad_mono"
     _check_llvm(llvm_version(), imported_before)
     return "llvm_ad_mono"
+
+
+def _wanted_threads(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise BackendError(f"{THREADS_VARIABLE}={text}: is no thread count; set it to 1 or more, or unset it")
+    return int(text)
 
 
 def mitsuba() -> ModuleType:

@@ -48,6 +48,13 @@ def _register() -> None:
     import drjit as dr
 
     class CompensatedConductor(mi.BSDF):
+        """Mitsuba BSDF of a bare metal: `roughconductor` plus the lobe of all further bounces.
+
+        f_more = r (1 - E_in) (1 - E_out) / (pi (1 - E_mean)) (Kulla and Conty 2017), with E from an `AlbedoTable` and r
+        of `multiple_scattering_reflectance`. One-sided: black from behind. Directions of it are drawn from the cosine
+        lobe.
+        """
+
         def __init__(self, props: Any) -> None:
             mi.BSDF.__init__(self, props)
             alphas = props["alpha_u"], props["alpha_v"]

@@ -12,7 +12,11 @@ from scenes.scene import Lamp
 
 @dataclass(frozen=True, eq=False)
 class LampLight:
-    """One rectangular lamp; all fields are Dr.Jit values, opaque so that other lamps run the same kernel."""
+    """One rectangular lamp; all fields are Dr.Jit values, opaque so that other lamps run the same kernel.
+
+    Of the same radiance all over and in all directions, on the side of its normal alone; dark behind. `centre` is in
+    the world [m].
+    """
 
     centre: Any
     half_width: Any

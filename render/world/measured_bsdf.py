@@ -65,6 +65,11 @@ def _plugin_class() -> Any:
     import drjit as dr
 
     class MeasuredAtWavelength(mi.BSDF):
+        """Mitsuba BSDF of a spectral RGL file at one wavelength, as the head of the module tells.
+
+        The values in the file are linear in wavelength between those stored. One-sided: black from behind.
+        """
+
         def __init__(self, props: Any) -> None:
             mi.BSDF.__init__(self, props)
             path = Path(str(props["filename"]))

@@ -50,7 +50,11 @@ class Geometry:
 
 @dataclass(frozen=True, eq=False)
 class LoadedScene:
-    """Geometry with its light, and what the bodies are made of."""
+    """Geometry with its light, and what the bodies are made of.
+
+    At 850 nm alone. Without the projector, which belongs to a pose (`render.light.projector`). Surroundings shine with
+    one radiance from all directions.
+    """
 
     geometry: Geometry
     glossy_of_body: Any

@@ -11,7 +11,11 @@ from render.world import backend
 
 @dataclass(frozen=True, eq=False)
 class Imager:
-    """One imager's pose and intrinsics on the device."""
+    """One imager's pose and intrinsics on the device: a pinhole without distortion, as `franbv.frames.Intrinsics`.
+
+    `origin` is in the world [m], `rotation` (3, 3) maps the imager's axes to the world's; both opaque, so that every
+    pose runs the same kernel.
+    """
 
     origin: Any
     rotation: Any

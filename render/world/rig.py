@@ -72,7 +72,11 @@ CAMERA_MODELS = {
 
 @dataclass(frozen=True)
 class Rig:
-    """Two rectified imagers and a projector, all looking along +z of the left imager, the depth frame."""
+    """Two rectified imagers and a projector, all looking along +z of the left imager, the depth frame.
+
+    A point at Z-depth Z has disparity f B / Z. Both imagers have the same intrinsics and the rectification is perfect:
+    a real camera's errors of calibration are left out, and so is its colour imager.
+    """
 
     intrinsics: Intrinsics
     """Of either imager."""

@@ -24,7 +24,10 @@ SAME_SURFACE_OFFSET = 0.01
 
 @dataclass(frozen=True, eq=False)
 class SurfaceMap:
-    """The first surface along each pixel's centre ray, in world coordinates."""
+    """The first surface along each pixel's centre ray, in world coordinates.
+
+    A pixel has one surface: what else it sees beside an edge is left out.
+    """
 
     body: UInt8[np.ndarray, "h w"]
     """Index into the scene's bodies, `mitsuba_scene.NO_BODY` for none."""

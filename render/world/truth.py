@@ -8,14 +8,19 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import project
 from render.world import backend
-from render.world.mitsuba_scene import FIRST_LAMP, LoadedScene
+from render.world.mitsuba_scene import FIRST_LAMP, NO_BODY, LoadedScene
 from render.world.rig import Rig
 from render.world.surface import SurfaceMap
+from scenes.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """Exact maps along the left imager's pixel-centre rays."""
+    """Exact maps along the left imager's pixel-centre rays.
+
+    No lens blur and no mean over the pixel: at an edge it tells one of the two surfaces. A mirror counts as the surface
+    that it is, not as what is seen in it.
+    """
 
     depth: Float32[np.ndarray, "h w"]
     """Z-depth [m], 0 = nothing there."""
@@ -31,6 +36,13 @@ class Truth:
     """Whether the point falls on the right imager's pixels and nothing hides it from there."""
     visible_from_projector: Bool[np.ndarray, "h w"]
     """Whether nothing hides the point from the projector."""
+
+
+def looks_at_part(truth: Truth, scene: Scene) -> Bool[np.ndarray, "h w"]:
+    """Pixels that look at a body of the part. scene: the one that the truth was found in."""
+    is_part = np.zeros(NO_BODY + 1, bool)
+    is_part[: len(scene.bodies)] = [body.is_part for body in scene.bodies]
+    return is_part[truth.body]
 
 
 def measure_truth(world: LoadedScene, rig: Rig, T_world_cam: RigidTransform, surface: SurfaceMap) -> Truth:

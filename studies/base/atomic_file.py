@@ -1,7 +1,10 @@
-"""Files that are there whole or not at all, flushed to disk, and the hash of what they hold."""
+"""Files and folders that are there whole or not at all, flushed to disk; locks on folders; hashes of files."""
 
+import contextlib
+import fcntl
 import hashlib
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 DIGEST_BYTES = 8
@@ -44,3 +47,34 @@ def flush(path: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def install(partial: Path, target: Path) -> None:
+    """Flush a folder that is complete, rename it to its final name, and flush that it is there."""
+    flush_tree(partial)
+    os.rename(partial, target)
+    flush(target.parent)
+
+
+@contextlib.contextmanager
+def folder_lock(folder: Path) -> Iterator[int | None]:
+    """Hold a folder as long as the block runs: its descriptor, None where another process holds it.
+
+    The lock goes with the process, whatever ends it. Where a file system cannot lock folders (some NFS) nobody can
+    know, and it counts as held.
+    """
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        yield descriptor if _locked(descriptor) else None
+    finally:
+        os.close(descriptor)
+
+
+def _locked(descriptor: int) -> bool:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        return True
+    return True

@@ -5,7 +5,6 @@ at most the temporary folder, whose name starts with a dot; the same command tak
 """
 
 import contextlib
-import fcntl
 import hashlib
 import json
 import os
@@ -16,10 +15,10 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from materials.input_error import InputError
-from studies.base.atomic_file import DIGEST_BYTES, flush, flush_tree
+from studies.base.atomic_file import DIGEST_BYTES, folder_lock, install
 from studies.base.output_errors import output_errors, prepare_output
 
-FORMAT = 1
+CASE_FORMAT = 1
 """Version of what a case folder holds; raising it makes every case a new one. Choice: a plain count."""
 
 PARTIAL_PREFIX = ".partial-"
@@ -36,7 +35,7 @@ def canonical_json(config: BaseModel) -> str:
 
 def case_digest(command: str, config: BaseModel) -> str:
     """Name of the case that `command` makes of `config`: blake2b in hexadecimal."""
-    text = json.dumps({"command": command, "format": FORMAT}, sort_keys=True) + canonical_json(config)
+    text = json.dumps({"command": command, "format": CASE_FORMAT}, sort_keys=True) + canonical_json(config)
     return hashlib.blake2b(text.encode(), digest_size=DIGEST_BYTES).hexdigest()
 
 
@@ -60,9 +59,7 @@ def writing(out: Path, digest: str) -> Iterator[Path]:
         try:
             _keep_progress_only(partial)
             yield partial
-            flush_tree(partial)
-            os.rename(partial, out / digest)
-            flush(out)
+            install(partial, out / digest)
         except BaseException:
             _keep_progress_only(partial)
             if not _has_progress(partial):
@@ -87,28 +84,15 @@ def _keep_progress_only(partial: Path) -> None:
 
 @contextlib.contextmanager
 def _locked(partial: Path) -> Iterator[None]:
-    """Create the folder if need be and hold it: the lock goes with the process, whatever ends it."""
+    """Create the folder if need be and hold it."""
     partial.mkdir(exist_ok=True)
-    descriptor = os.open(partial, os.O_RDONLY)
-    try:
-        if not _take_lock(descriptor):
+    with folder_lock(partial) as descriptor:
+        if descriptor is None:
             raise InputError(f"{partial.parent}: another process writes this very case; wait for it to end")
         # Between creating and locking the folder another process may have finished and renamed it.
         if not partial.is_dir() or not os.path.samestat(os.fstat(descriptor), partial.stat()):
             raise InputError(f"{partial.parent}: another process has just finished this case; give the command again")
         yield
-    finally:
-        os.close(descriptor)
-
-
-def _take_lock(descriptor: int) -> bool:
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    except OSError:  # a file system that cannot lock folders (some NFS): then nobody can know, go on
-        return True
-    return True
 
 
 def _clear_abandoned(out: Path, except_for: str) -> None:
@@ -116,9 +100,6 @@ def _clear_abandoned(out: Path, except_for: str) -> None:
     for partial in out.glob(f"{PARTIAL_PREFIX}*"):
         if partial.name == f"{PARTIAL_PREFIX}{except_for}" or not partial.is_dir() or _has_progress(partial):
             continue
-        descriptor = os.open(partial, os.O_RDONLY)
-        try:
-            if _take_lock(descriptor):
+        with folder_lock(partial) as held:
+            if held is not None:
                 shutil.rmtree(partial, ignore_errors=True)
-        finally:
-            os.close(descriptor)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
 from types import UnionType
-from typing import Any, Self, TypeVar, Union, get_args, get_origin
+from typing import Any, TypeVar, Union, get_args, get_origin
 
 import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -23,6 +23,9 @@ class Config(BaseModel):
 AnyConfig = TypeVar("AnyConfig", bound=BaseModel)
 
 
+AnyPreset = TypeVar("AnyPreset", bound="Preset")
+
+
 class Preset(Config):
     """A whole study's settings, some of which are files of ours."""
 
@@ -33,7 +36,7 @@ class Preset(Config):
         return {path.stem: path for path in sorted(map(Path, map(str, folder.iterdir()))) if path.suffix == ".yaml"}
 
     @classmethod
-    def named(cls, name: str) -> Self:
+    def named(cls: type[AnyPreset], name: str) -> AnyPreset:
         """One of ours by name, or one of the user's by file; InputError in one line otherwise."""
         known = cls.of_ours()
         if name not in known and not name.endswith((".yaml", ".yml")):
@@ -71,7 +74,7 @@ def validated(model: type[AnyConfig], data: dict[str, Any], source: str) -> AnyC
     try:
         config = model.model_validate(data)
     except ValidationError as error:
-        raise InputError(one_line(error, source, model)) from None
+        raise InputError(validation_line(error, source, model)) from None
     check_finite(config, source)
     return config
 
@@ -94,7 +97,7 @@ def _numbers(key: str, value: Any) -> Iterator[tuple[str, float]]:
         yield key, value
 
 
-def one_line(error: ValidationError, source: str, model: type[BaseModel] | None = None) -> str:
+def validation_line(error: ValidationError, source: str, model: type[BaseModel] | None = None) -> str:
     """The first problem of a validation: source, key, what is wrong, and the nearest known key for an unknown one."""
     problems = error.errors(include_url=False)
     first = next((p for p in problems if p["type"] == "extra_forbidden"), problems[0])

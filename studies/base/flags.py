@@ -11,7 +11,7 @@ import tyro
 from pydantic import BaseModel, ValidationError
 
 from materials.input_error import InputError
-from studies.base.config import check_finite, load_config, one_line
+from studies.base.config import check_finite, load_config, validation_line
 
 HELP_INDENT = " " * 8
 """Tyro's indent of an option's description inside its boxes."""
@@ -58,7 +58,7 @@ def parse(model: type[Parsed], args: list[str], prog: str, help_text: str, defau
             raise
         raise InputError(f"{condensed(complaint.getvalue())}; see {prog} --help") from None
     except ValidationError as error:  # of the settings themselves; those of nested models arrive condensed
-        raise InputError(one_line(error, "the flags")) from None
+        raise InputError(validation_line(error, "the flags")) from None
 
 
 def condensed(complaint: str) -> str:

@@ -11,7 +11,7 @@ def percent(share: float | None) -> str:
     return "n/a" if share is None else f"{100 * share:.1f} %"
 
 
-def millimetres(value: float | None) -> str:
+def millimetre_words(value: float | None) -> str:
     """`1.8 mm`."""
     return "an undefined distance" if value is None else f"{value:.1f} mm"
 

@@ -1,7 +1,5 @@
 """What `frame` and `reconstruct` have in common: one command, one case, made once and shown at the top of `--out`."""
 
-import importlib.metadata
-import platform
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -9,12 +7,6 @@ from studies.base.case_folder import case_digest, finished_case, writing
 from studies.base.config import Config
 from studies.base.latest import point_latest
 from studies.base.output_errors import prepare_output
-
-VERSIONED = (
-    "franbv", "mitsuba", "drjit", "numpy", "scipy", "scikit-learn", "opencv-python-headless", "numba", "llvmlite",
-    "trimesh",
-)  # fmt: skip
-"""Packages whose version can change a result."""
 
 
 def made_once(
@@ -34,8 +26,3 @@ def made_once(
         case = out / digest
     point_latest(case, files)
     return case, found
-
-
-def versions() -> dict[str, str]:
-    """Of Python and of every package that can change a result."""
-    return {"python": platform.python_version()} | {name: importlib.metadata.version(name) for name in VERSIONED}

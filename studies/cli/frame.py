@@ -15,20 +15,21 @@ from render.d435i import Measurement, SensorSettings, SimulatedD435i
 from render.depth.decimation import crop_centre
 from render.labels.labels import label_frame
 from render.world.mitsuba_scene import NO_BODY
-from render.world.truth import Truth
+from render.world.truth import Truth, looks_at_part
 from studies.base.atomic_file import write_atomically
 from studies.base.console import say, say_json, strict_json, warn
 from studies.base.flags import parse_case_command
-from studies.base.single_case import made_once, versions
+from studies.base.single_case import made_once
 from studies.cli.pose_text import camera_pose
 from studies.run.scene_settings import Subject, SubjectSettings, build_subject, resolved
 from studies.store.cause_files import colour_map, decimated_map, legend, legend_picture
 from studies.store.images import MM, millimetres, write_exr, write_png
+from studies.work.maker import versions
 
 META = "meta.json"
-HELP = "Take one frame of a part and write its infrared pair, its depth, and the truth and the cause of every hole."
+_HELP = "Take one frame of a part and write its infrared pair, its depth, and the truth and the cause of every hole."
 
-LAYERS = {
+FRAME_LAYERS = {
     "infra1.png": "left infrared image [DN]",
     "infra2.png": "right infrared image [DN]",
     "depth.png": "Z-depth of the left imager at full resolution [mm], 0 = invalid",
@@ -54,7 +55,7 @@ class FrameSettings(SubjectSettings):
 
 def run(args: list[str]) -> int:
     """Take the frame, unless it is there already."""
-    command = parse_case_command(FrameSettings, args, "franbv frame", HELP)
+    command = parse_case_command(FrameSettings, args, "franbv frame", _HELP)
     settings = command.settings
     subject = build_subject(settings)
     pose = camera_pose(settings.pose, subject.scene, settings.sensor.roll_deg)
@@ -90,13 +91,13 @@ def write_frame(folder: Path, config: FrameSettings, subject: Subject, pose: Rig
     write_exr(folder / "truth_depth.exr", truth.depth, "Y")
     write_exr(folder / "incidence.exr", truth.incidence, "Y")
     write_atomically(folder / "legend.json", strict_json(legend(labels), indent=1).encode())
-    part = part_mask(truth, subject)
+    part = looks_at_part(truth, subject.scene)
     meta = {
         "command": "frame",
         "title": subject.title,
         "config": config.model_dump(mode="json"),
         "versions": versions(),
-        "layers": dict(zip(files, LAYERS.values(), strict=True)),
+        "layers": dict(zip(files, FRAME_LAYERS.values(), strict=True)),
         "T_world_cam": pose.as_matrix().tolist(),
         "T_world_right_cam": camera.rig.right_imager(pose).as_matrix().tolist(),
         "baseline_m": camera.rig.baseline,
@@ -115,7 +116,7 @@ def write_frame(folder: Path, config: FrameSettings, subject: Subject, pose: Rig
 def layer_files(sensor: SensorSettings) -> list[str]:
     """Names of the layers' files for this sensor."""
     size = f"{sensor.crop[0]}x{sensor.crop[1]}" if sensor.crop else "reduced"
-    return [file.format(size=size) for file in LAYERS]
+    return [file.format(size=size) for file in FRAME_LAYERS]
 
 
 def reduced_depth(measurement: Measurement, sensor: SensorSettings) -> tuple[UInt16[np.ndarray, "h w"], Intrinsics]:
@@ -130,13 +131,6 @@ def reduced_depth(measurement: Measurement, sensor: SensorSettings) -> tuple[UIn
 def truth_ids(truth: Truth) -> np.ndarray:
     """1 + body number of every pixel (h, w) uint8, 0 = nothing there."""
     return np.where(truth.body == NO_BODY, 0, truth.body + 1).astype(np.uint8)
-
-
-def part_mask(truth: Truth, subject: Subject) -> Bool[np.ndarray, "h w"]:
-    """Pixels that look at the part."""
-    is_part = np.zeros(NO_BODY + 1, bool)
-    is_part[: len(subject.scene.bodies)] = [body.is_part for body in subject.scene.bodies]
-    return is_part[truth.body]
 
 
 def frame_summary(depth: UInt16[np.ndarray, "h w"], truth: Truth, part: Bool[np.ndarray, "h w"]) -> dict[str, Any]:

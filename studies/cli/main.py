@@ -86,15 +86,15 @@ def overview(group: str = "") -> str:
     )
 
 
-GROUPS = {name.split()[0] for name in COMMANDS if " " in name}
+FIRST_WORDS = {name.split()[0] for name in COMMANDS if " " in name}
 """First words of the commands of two."""
 
 
 def _run(args: list[str]) -> int:
-    if args[0] in GROUPS and (len(args) == 1 or args[1] in ("-h", "--help")):
+    if args[0] in FIRST_WORDS and (len(args) == 1 or args[1] in ("-h", "--help")):
         (sys.stdout if len(args) > 1 else sys.stderr).write(overview(args[0]))
         return DONE if len(args) > 1 else BAD_INPUT
-    name = " ".join(args[:2]) if args[0] in GROUPS else args[0]
+    name = " ".join(args[:2]) if args[0] in FIRST_WORDS else args[0]
     if name not in COMMANDS:
         raise InputError(f"unknown command `{name}`; {suggest(name, COMMANDS)}")
     try:
@@ -105,7 +105,7 @@ def _run(args: list[str]) -> int:
 
 def _complain(command: str, message: str, status: int) -> int:
     line = " ".join(message.split())
-    known = command in GROUPS or command in COMMANDS
+    known = command in FIRST_WORDS or command in COMMANDS
     sys.stderr.write(f"franbv {command}: {line}\n" if known else f"franbv: {line}\n")
     return status
 

@@ -21,7 +21,7 @@ from studies.scoring.match import HoleScore, MatchScore, fraction_shares, score
 from studies.store.images import millimetres, write_png
 from studies.store.stereo_files import read_pair, read_reference
 
-HELP = "Match a rectified infrared pair as a D400 camera does; score the depth against the camera's own."
+_HELP = "Match a rectified infrared pair as a D400 camera does; score the depth against the camera's own."
 MOST_OFFSET_PX = 3.0
 """Median difference of the disparities that is worth a word [px]; choice, real pairs are within one of their depth."""
 LARGEST_UNIT_M = 1.0
@@ -59,7 +59,7 @@ class MatchCommand:
 
 def run(args: list[str]) -> int:
     """Match the pair; 0 when that was done."""
-    command = parse(MatchCommand, args, "franbv match", HELP)
+    command = parse(MatchCommand, args, "franbv match", _HELP)
     focal_baseline = _focal_baseline(command.fx, command.baseline)
     preset = load_preset(command.preset)
     if preset.ignored:
@@ -90,7 +90,7 @@ def run(args: list[str]) -> int:
     say("fractions of a pixel in eighths, 1 = flat: " + " ".join(f"{share:.2f}" for share in shares))
     result = score(disparity, reference, left, focal_baseline) if reference else None
     if result:
-        say(table(result))
+        say(score_table(result))
         if odd := _odd_offset(disparity, result, focal_baseline, unit):
             warn(f"franbv match: {command.reference}: {odd}")
     if command.json:
@@ -109,7 +109,7 @@ def run(args: list[str]) -> int:
     return 0
 
 
-def table(result: MatchScore) -> str:
+def score_table(result: MatchScore) -> str:
     """The score as text."""
     head = f"{'holes':<10}{'reference':>10}{'found':>8}{'precision':>11}{'recall':>8}{'IoU':>7}"
     lines = [head, _row("all", result.holes), *(_row(name, holes) for name, holes in result.classes.items())]

@@ -4,7 +4,7 @@ from studies.base.console import say, say_json, warn
 from studies.base.flags import parse_case_command
 from studies.base.single_case import made_once
 from studies.run.reconstruct import ReconstructSettings, check_workspace, resolved_run, simulate
-from studies.run.run_case import COMMAND
+from studies.run.run_case import RUN_COMMAND
 from studies.run.scene_settings import build_subject
 from studies.run.sentences import run_paragraph
 from studies.run.stored_run import CLOUD, FILTERED_CLOUD, REPORT, RUN, TABLE, TIMINGS, StoredRun
@@ -12,18 +12,18 @@ from studies.run.stored_run import CLOUD, FILTERED_CLOUD, REPORT, RUN, TABLE, TI
 FILES = (REPORT, RUN, TABLE, TIMINGS, CLOUD, FILTERED_CLOUD)
 """What the output folder itself shows of the case."""
 
-HELP = "Reconstruct a part with a next-best-view planner, from the first view until a stop rule ends the run."
+_HELP = "Reconstruct a part with a next-best-view planner, from the first view until a stop rule ends the run."
 
 
 def run(args: list[str]) -> int:
     """Reconstruct, unless the finished case is there already; then say what was reached."""
-    command = parse_case_command(ReconstructSettings, args, f"franbv {COMMAND}", HELP)
+    command = parse_case_command(ReconstructSettings, args, f"franbv {RUN_COMMAND}", _HELP)
     subject = build_subject(command.settings)
     check_workspace(subject.scene, command.settings.parameters)
     for notice in subject.notices:
-        warn(f"franbv {COMMAND}: {notice}")
+        warn(f"franbv {RUN_COMMAND}: {notice}")
     config = resolved_run(command.settings)
-    case, found = made_once(COMMAND, config, command.out, FILES, lambda folder: simulate(folder, config, subject))
+    case, found = made_once(RUN_COMMAND, config, command.out, FILES, lambda folder: simulate(folder, config, subject))
     stored = StoredRun(case)
     say(f"{stored.run['title']}: {run_paragraph(stored.run, stored.timings)}")
     say(f"{'Found' if found else 'Written'}: {case}\nReport: {case / REPORT}")

@@ -8,12 +8,11 @@ import numpy as np
 
 from materials.input_error import InputError
 from studies.base.case_folder import case_digest, finished_case, writing
-from studies.comparison.links import LINKS, arm_name
-from studies.comparison.links import PLANNERS as PAIR
+from studies.comparison.links import LINKED_PLANNERS, LINKS, arm_name
 from studies.comparison.preset import CORNER, ComparisonPreset
 from studies.run.ablation import ABLATIONS, Ablation
 from studies.run.reconstruct import ReconstructSettings, check_workspace, resolved_run, simulate
-from studies.run.run_case import COMMAND
+from studies.run.run_case import RUN_COMMAND
 from studies.run.scene_settings import build_subject
 from studies.run.shared_bursts import SharedCaptures
 from studies.work.workers import Job
@@ -40,7 +39,7 @@ class PlannedRun:
     @property
     def digest(self) -> str:
         """Name of the case."""
-        return case_digest(COMMAND, self.config)
+        return case_digest(RUN_COMMAND, self.config)
 
     @property
     def title(self) -> str:
@@ -65,7 +64,7 @@ def planned_runs(preset: ComparisonPreset) -> list[PlannedRun]:
     arms = [
         *preset.planners,
         *preset.ablations,
-        *(arm_name(planner, link) for link in preset.links for planner in PAIR),
+        *(arm_name(planner, link) for link in preset.links for planner in LINKED_PLANNERS),
     ]
     planned = [*_of_planners(preset), *_of_ablations(preset), *_of_links(preset)]
     return sorted(planned, key=lambda planned: (planned.run, arms.index(planned.arm)))
@@ -89,7 +88,7 @@ def _of_ablations(preset: ComparisonPreset) -> Iterator[PlannedRun]:
 def _of_links(preset: ComparisonPreset) -> Iterator[PlannedRun]:
     for part in preset.ablated_parts:
         for link in preset.links:
-            for planner in PAIR:
+            for planner in LINKED_PLANNERS:
                 for run in _some_starts(preset):
                     config = LINKS[link].changed(run_settings(preset, part, planner, run, Ablation()))
                     yield PlannedRun(part, arm_name(planner, link), run, config)
@@ -137,7 +136,7 @@ def jobs(out: Path, runs: list[PlannedRun]) -> list[Job]:
 
 def do_run(task: RunTask) -> None:
     """Reconstruct, unless the finished case is there already."""
-    digest = case_digest(COMMAND, task.config)
+    digest = case_digest(RUN_COMMAND, task.config)
     if finished_case(task.out / RUNS, digest):
         return
     subject = build_subject(task.config)

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -21,22 +21,24 @@ from studies.comparison.cases import RUNS, PlannedRun, check_runs, jobs, planned
 from studies.comparison.links import LINKS
 from studies.comparison.planning_speed import SPEED_JOB, SpeedTask, is_measured, measure_speed
 from studies.comparison.preset import ComparisonPreset
-from studies.comparison.records import COLUMNS, read_records, table_row
+from studies.comparison.records import RUN_COLUMNS, read_records, table_row
 from studies.comparison.report.page import write_comparison_report
 from studies.comparison.statistics import Comparison
 from studies.comparison.summary import failed_runs, json_summary, paragraph
 from studies.run.ablation import ABLATIONS
 from studies.run.scene_settings import preset_files, with_sensor_resolved
-from studies.run.stored_run import REPORT
+from studies.run.stored_run import REPORT, StoredRun
 from studies.store.tables import write_rows
+from studies.work.executor import Executor, WorkFlags, check_alike, executor_of, exit_status, reasons_once
+from studies.work.maker import Maker
 from studies.work.study_clock import StudyClock
-from studies.work.workers import Failure, Job, limit_renderer, run_jobs, worker_count
+from studies.work.workers import Failure, Job, run_jobs
 
-PROGRAM = "franbv study comparison"
-HELP = "Compare FRA-NBV with PB-NBV and ray-cast entropy over many runs, beside the paper's numbers."
-STUDY, TABLE, SUMMARY = "comparison.json", "runs.parquet", "summary.json"
+_PROGRAM = "franbv study comparison"
+_HELP = "Compare FRA-NBV with PB-NBV and ray-cast entropy over many runs, beside the paper's numbers."
+STUDY, RUNS_TABLE, SUMMARY = "comparison.json", "runs.parquet", "summary.json"
 """The resolved preset, the table of runs and the summary, in the output folder."""
-WRITTEN = (STUDY, TABLE, SUMMARY, REPORT)
+WRITTEN = (STUDY, RUNS_TABLE, SUMMARY, REPORT)
 """What stands there beside the runs."""
 
 
@@ -52,36 +54,33 @@ class ComparisonCommand:
     """Ablations to run beside it; `all` for all of them. Those that the folder's study has already stay in it."""
     links: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME...")] = ()
     """Links before the planner to change, one at a time; `all` for all of them. They stay likewise."""
-    workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
-    """Worker processes; the default is one for each processor."""
+    work: Annotated[WorkFlags, tyro.conf.arg(name="")] = field(default_factory=WorkFlags)
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object as the last line of stdout."""
 
 
 def run(args: list[str]) -> int:
     """Run what is missing, then build table and report from all runs; exit status 1 when runs failed."""
-    command = parse(ComparisonCommand, args, PROGRAM, HELP)
+    command = parse(ComparisonCommand, args, _PROGRAM, _HELP)
     named = ComparisonPreset.named(command.preset)
     preset = with_sensor_resolved(named)
     preset = with_named(preset, "ablations", command.ablations, ABLATIONS)
     preset = with_named(preset, "links", command.links, LINKS)
     preset = with_stored_arms(preset, command.out)
-    workers = worker_count(command.workers)
     runs = planned_runs(preset)
     check_runs(runs)
     check_not_overwritten(preset_files(command.preset, named.sensor), map(command.out.joinpath, WRITTEN))
-    prepare_output(command.out)
-    write_atomically(command.out / STUDY, strict_json(preset.model_dump(mode="json"), indent=1).encode())
-    clock = StudyClock.started(command.out, command.out / RUNS, stored_summary(command.out)["wall_s"])
-    failures = reconstruct_all(command.out, preset, runs, workers)
-    for failure in failures:
-        warn(f"{PROGRAM}: {failure.name}: {failure.reason}")
+    with executor_of(command.work) as executor:  # before anything is written
+        prepare_output(command.out)
+        write_atomically(command.out / STUDY, strict_json(preset.model_dump(mode="json"), indent=1).encode())
+        clock = StudyClock.started(command.out, command.out / RUNS, stored_summary(command.out)["wall_s"])
+        failures = reconstruct_all(command.out, preset, runs, executor)
     summary, comparison = evaluate(command.out, preset, runs, failures, clock.elapsed_s())
     clock.stop()
     say(f"{paragraph(comparison, len(runs), failed_runs(failures))}\nReport: {command.out / REPORT}")
     if command.json:
         say_json(summary)
-    return 1 if failures else 0
+    return exit_status(failures)
 
 
 def with_named(
@@ -105,7 +104,7 @@ def with_stored_arms(preset: ComparisonPreset, out: Path) -> ComparisonPreset:
     try:
         stored = load_config(ComparisonPreset, out / STUDY)
     except InputError as error:
-        warn(f"{PROGRAM}: {error}; it is replaced, and the report leaves out what only it names")
+        warn(f"{_PROGRAM}: {error}; it is replaced, and the report leaves out what only it names")
         return preset
     ours, theirs = (config.model_dump(exclude={"ablations", "links"}) for config in (preset, stored))
     differing = [key for key in ours if ours[key] != theirs[key]]
@@ -115,18 +114,25 @@ def with_stored_arms(preset: ComparisonPreset, out: Path) -> ComparisonPreset:
     left_out = [name for name in (*stored.ablations, *stored.links) if name not in (*preset.ablations, *preset.links)]
     if left_out:
         warn(
-            f"{PROGRAM}: {out / STUDY}: was of a study with another {', '.join(differing)}; "
+            f"{_PROGRAM}: {out / STUDY}: was of a study with another {', '.join(differing)}; "
             f"its {', '.join(left_out)} are not in this one, name them to have them"
         )
     return preset
 
 
-def reconstruct_all(out: Path, preset: ComparisonPreset, runs: list[PlannedRun], workers: int) -> list[Failure]:
-    """Make the runs that are not there yet, then time planning while nothing else runs."""
-    missing = jobs(out, runs)
-    failures = run_jobs([missing], workers, limit_renderer, already_done=len(runs) - len(missing))
+def reconstruct_all(out: Path, preset: ComparisonPreset, runs: list[PlannedRun], executor: Executor) -> list[Failure]:
+    """Make the runs that are not there yet, then time planning on this machine while nothing else runs."""
+    missing, tell = jobs(out, runs), reasons_once(_PROGRAM)
+    if missing:
+        check_alike(executor, out, [run_maker(case) for run in runs if (case := finished_case(out / RUNS, run.digest))])
+    failures = executor.run([missing], len(runs) - len(missing), tell)
     speed = speed_job(out, preset, runs)
-    return failures + (run_jobs([[speed]], 1) if speed else [])
+    return failures + (run_jobs([[speed]], 1, tell=tell) if speed else [])
+
+
+def run_maker(case: Path) -> tuple[str, Maker]:
+    """Name of a finished run, and what made it."""
+    return f"run {case.name}", StoredRun(case).run["versions"]
 
 
 def speed_job(out: Path, preset: ComparisonPreset, runs: list[PlannedRun]) -> Job | None:
@@ -147,7 +153,7 @@ def evaluate(
 ) -> tuple[dict[str, Any], Comparison]:
     """Write table, summary and report of the runs that are finished; returns the summary and the runs."""
     comparison = Comparison(read_records(out, runs))
-    write_rows(out / TABLE, COLUMNS, map(table_row, comparison.records))
+    write_rows(out / RUNS_TABLE, RUN_COLUMNS, map(table_row, comparison.records))
     parts = list(dict.fromkeys(planned.part for planned in runs))
     summary = json_summary(comparison, parts, preset.planners, failed_runs(failures), wall_s)
     stored = {**summary, "failures": [asdict(failure) for failure in failures]}

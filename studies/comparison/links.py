@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from studies.run.reconstruct import ReconstructSettings
 
-PLANNERS = ("fra", "pb")
+LINKED_PLANNERS = ("fra", "pb")
 """Compared under each change."""
 
 

@@ -19,7 +19,7 @@ from studies.comparison.verdicts import (
     BASELINES,
     DIRECTION,
     FOUND,
-    NEAR,
+    NEAR_SHARE,
     NOT_FOUND,
     TOO_FEW,
     UNKNOWN,
@@ -38,7 +38,7 @@ CONTRIBUTION_SLACK = 1.5
 """Factor by which "around 10 %" and "up to 30 %" may be missed (choice: they are read off a bar chart)."""
 
 
-def findings(comparison: Comparison) -> list[Finding]:
+def paper_findings(comparison: Comparison) -> list[Finding]:
     """All sentences in the paper's order; the corner's stands in its conclusions."""
     adjusted = adjusted_p(comparison)
     return [
@@ -171,12 +171,12 @@ def _increments_alike(comparison: Comparison) -> Finding:
     verdict = UNKNOWN
     if found is not None:
         i = found.gain
-        verdict = judged(True, lambda: abs(i.mean) <= NEAR * found.pb, lambda: i.low <= 0 <= i.high)
+        verdict = judged(True, lambda: abs(i.mean) <= NEAR_SHARE * found.pb, lambda: i.low <= 0 <= i.high)
         verdict = TOO_FEW if least_p(i.count) > LEVEL else verdict
     return Finding(
         words="On B a recovery view adds as much as a PB view at the same coverage",
         paper="comparable",
-        rule=f"within {100 * NEAR:.0f} % of what a PB view adds; in direction: not told from it",
+        rule=f"within {100 * NEAR_SHARE:.0f} % of what a PB view adds; in direction: not told from it",
         ours=_advantage_words(found),
         verdict=verdict,
     )

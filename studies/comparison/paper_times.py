@@ -6,7 +6,7 @@ from itertools import pairwise
 from studies.base.numbers_as_text import number
 from studies.comparison.paper_numbers import paper_ratio
 from studies.comparison.statistics import Comparison
-from studies.comparison.verdicts import NEAR, Finding, judged
+from studies.comparison.verdicts import NEAR_SHARE, Finding, judged
 
 
 def time_findings(comparison: Comparison) -> list[Finding]:
@@ -41,11 +41,11 @@ def _times_alike(comparison: Comparison) -> Finding:
     return Finding(
         words="Beside PB, FRA's iteration is about as long on A and B and longer on C and D",
         paper=", ".join(f"{part} {paper_ratio('fra', 'pb', part):.2f}" for part in "ABCD") + " times",
-        rule=f"A and B within {100 * NEAR:.0f} % of PB, C and D above both; in direction: the latter alone",
+        rule=f"A and B within {100 * NEAR_SHARE:.0f} % of PB, C and D above both; in direction: the latter alone",
         ours=", ".join(f"{part} {number(ratio, '.2f')}" for part, ratio in ratios.items()) + " times",
         verdict=judged(
             len(known) == 4,
-            lambda: _longer_on_shiny(known) and all(abs(known[part] - 1) <= NEAR for part in "AB"),
+            lambda: _longer_on_shiny(known) and all(abs(known[part] - 1) <= NEAR_SHARE for part in "AB"),
             lambda: _longer_on_shiny(known),
         ),
     )
@@ -62,12 +62,12 @@ def _ratio(comparison: Comparison, arm: str) -> Finding:
     return Finding(
         words=f"Time of an {arm.upper()} iteration over that of a PB iteration",
         paper=f"{paper:.2f}",
-        rule=f"mean over the parts, less 1, within {100 * NEAR:.0f} % of the paper's less 1; "
+        rule=f"mean over the parts, less 1, within {100 * NEAR_SHARE:.0f} % of the paper's less 1; "
         "in direction: the same side of 1",
         ours=number(ours, ".2f"),
         verdict=judged(
             len(parts) == 4,
-            lambda: abs((ours or 0.0) - paper) <= NEAR * (paper - 1),  # 1 must never agree with more
+            lambda: abs((ours or 0.0) - paper) <= NEAR_SHARE * (paper - 1),  # 1 must never agree with more
             lambda: ((ours or 0.0) > 1) == (paper > 1),
         ),
     )

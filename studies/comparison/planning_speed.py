@@ -45,7 +45,7 @@ CLOSED = (360, 240)
 the smallest voxel where the part is)."""
 N_VIEWS = 3
 """Acquisitions in the map, the last of which is timed (choice: the object has been seen, much is still unknown)."""
-FEWEST, MOST = 3, 30
+FEWEST_DECISIONS, MOST = 3, 30
 """Times each decision is made; the median counts."""
 REPEATED_S = 1.0
 """Decisions are repeated at least until they have taken this long together [s] (choice: what another process takes from
@@ -56,16 +56,16 @@ PLAIN_GOAL = 50.0
 """How many times faster than the plain loop RE's rays are to be."""
 PB_GOAL_S = 0.10
 """How long a decision of PB may take at the paper's size [s]."""
-FORMAT = 2
+SPEED_FORMAT = 2
 """Of the file; one of another format is measured anew."""
 AZIMUTH = 0.3
 """Turn of the candidates [rad]; any that is not along the grid's axes."""
 
 PAPER = ("candidates", min(CANDIDATES))
 """Axis and size of the setting that has the paper's map, candidates and pixels."""
-STAGES = ("map", "object", "ellipsoids", "candidates", "score")
+DECISION_STAGES = ("map", "object", "ellipsoids", "candidates", "score")
 """Of a decision."""
-PLANNERS: dict[str, Callable[[], Planner]] = {"pb": pb, "re": re}
+TIMED_PLANNERS: dict[str, Callable[[], Planner]] = {"pb": pb, "re": re}
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class SpeedTask:
     def identity(self) -> dict[str, Any]:
         """What was measured; the name of the run stands for its settings, parameters included."""
         sizes = {"voxels": EDGES, "candidates": CANDIDATES, "pixels": IMAGES}
-        return json.loads(strict_json({"format": FORMAT, "run": self.case.name, "sizes": sizes}))
+        return json.loads(strict_json({"format": SPEED_FORMAT, "run": self.case.name, "sizes": sizes}))
 
 
 def measure_speed(task: SpeedTask) -> None:
@@ -88,7 +88,7 @@ def measure_speed(task: SpeedTask) -> None:
     rows, plain = [], []
     for axis, size, grid, burst, parameters in _settings(task):
         setting = {"axis": axis, "size": size}
-        for name, planner in PLANNERS.items():
+        for name, planner in TIMED_PLANNERS.items():
             rows.append({**setting, "planner": name, **median_decision(planner(), grid, burst, parameters)})
         if axis == "voxels" or (axis, size) == PAPER:
             plain.append({**setting, **plain_comparison(grid, burst, parameters)})
@@ -100,7 +100,7 @@ def stored_speed(out: Path) -> dict[str, Any] | None:
     """The measurement in a study's folder, None if there is none, or one of another format."""
     path = out / SPEED
     found = json.loads(path.read_text()) if path.exists() else {}
-    return found if found.get("format") == FORMAT else None
+    return found if found.get("format") == SPEED_FORMAT else None
 
 
 def is_measured(task: SpeedTask) -> bool:
@@ -126,13 +126,13 @@ def goals(rows: Sequence[Mapping[str, Any]], plain: Sequence[Mapping[str, Any]])
 
 def decision_s(row: Mapping[str, Any]) -> float:
     """All stages of a decision [s]."""
-    return sum(row[stage] for stage in STAGES)
+    return sum(row[stage] for stage in DECISION_STAGES)
 
 
 def _settings(task: SpeedTask) -> Iterator[tuple[str, int, VoxelMap, DepthBurst, Parameters]]:
     """Axis, size on it, map before the decision, burst, parameters."""
     *before, burst = stored_bursts(task.case, N_VIEWS)
-    closed = [resampled(earlier, *CLOSED) for earlier in before]
+    closed = [resampled_burst(earlier, *CLOSED) for earlier in before]
     for edge in EDGES:
         parameters = with_voxels(task.parameters, edge)
         yield "voxels", edge, filled_map(closed, parameters), burst, parameters
@@ -140,7 +140,7 @@ def _settings(task: SpeedTask) -> Iterator[tuple[str, int, VoxelMap, DepthBurst,
     for count in CANDIDATES:
         yield "candidates", count, grid, burst, task.parameters.model_copy(update={"n_candidates": count})
     for width, height in IMAGES:
-        yield "pixels", width, grid, resampled(burst, width, height), task.parameters
+        yield "pixels", width, grid, resampled_burst(burst, width, height), task.parameters
 
 
 def with_voxels(parameters: Parameters, edge: int) -> Parameters:
@@ -149,7 +149,7 @@ def with_voxels(parameters: Parameters, edge: int) -> Parameters:
     return parameters.model_copy(update={"voxel_size": volume ** (1 / 3) / edge})
 
 
-def resampled(burst: DepthBurst, width: int, height: int) -> DepthBurst:
+def resampled_burst(burst: DepthBurst, width: int, height: int) -> DepthBurst:
     """The burst as a sensor of so many pixels with the same field of view gives it: each takes the nearest depth."""
     k = burst.intrinsics
     x, y = width / k.width, height / k.height
@@ -177,10 +177,10 @@ def median_decision(planner: Planner, grid: VoxelMap, burst: DepthBurst, paramet
     """Median seconds of each stage of a decision with this burst, and how much there was to decide on."""
     timed: list[dict[str, float]] = []
     sizes: dict[str, int] = {}
-    while len(timed) < FEWEST or (len(timed) < MOST and sum(map(decision_s, timed)) < REPEATED_S):
+    while len(timed) < FEWEST_DECISIONS or (len(timed) < MOST and sum(map(decision_s, timed)) < REPEATED_S):
         stages, sizes = _decision(planner, grid, burst, parameters)
         timed.append(stages)
-    return {**{stage: float(np.median([row[stage] for row in timed])) for stage in STAGES}, **sizes}
+    return {**{stage: float(np.median([row[stage] for row in timed])) for stage in DECISION_STAGES}, **sizes}
 
 
 def plain_comparison(grid: VoxelMap, burst: DepthBurst, parameters: Parameters) -> dict[str, float]:
@@ -189,7 +189,8 @@ def plain_comparison(grid: VoxelMap, burst: DepthBurst, parameters: Parameters) 
     grid = re().integrate(grid, burst, parameters)
     poses = candidate_poses(object_model(grid, parameters).box, parameters, AZIMUTH)
     fast: list[float] = []
-    while len(fast) < FEWEST or (len(fast) < MOST and sum(fast) < REPEATED_S):
+    found = np.zeros(len(poses))
+    while len(fast) < FEWEST_DECISIONS or (len(fast) < MOST and sum(fast) < REPEATED_S):
         start = time.thread_time()
         found = view_information(grid, burst.intrinsics, poses)
         fast.append(time.thread_time() - start)
@@ -219,4 +220,4 @@ def _decision(
         "poses": len(poses),
         "rays": burst.intrinsics.width * burst.intrinsics.height,
     }
-    return clock.read(), sizes
+    return {stage: spent.thread_s for stage, spent in clock.read().items()}, sizes

@@ -125,7 +125,7 @@ def _losses(rows: list[dict[str, Any]]) -> dict[str, float]:
     }
 
 
-SUMMARY = {
+SUMMARY_COLUMNS = {
     "coverage_5mm": "Share of the visible surface within 5 mm of the cloud [-]",
     "filtered_coverage_5mm": "The same of the points in occupied voxels [-]",
     "accuracy_mm": "Mean distance of the cloud from the surface [mm]",
@@ -143,12 +143,12 @@ COUNTS = {
     "recovery_acquisitions": "Recovery views [-]",
 }
 
-COLUMNS = (
+RUN_COLUMNS = (
     Column("part", pa.string(), "Part, or the inside corner"),
     Column("arm", pa.string(), "Planner, or name of an ablation"),
     Column("run", pa.int32(), "Number of the start; equal numbers start alike [-]"),
     Column("case", pa.string(), "Folder of the run"),
-    *(Column(name, pa.float64(), meaning) for name, meaning in SUMMARY.items()),
+    *(Column(name, pa.float64(), meaning) for name, meaning in SUMMARY_COLUMNS.items()),
     *(Column(name, pa.int32(), meaning) for name, meaning in COUNTS.items()),
     Column("stop", pa.string(), "Rule that ended the run"),
     Column("planning_s", pa.float64(), "Mean processor time of planning of an NBV iteration with its recoveries [s]"),
@@ -165,7 +165,7 @@ def table_row(record: Record) -> dict[str, Any]:
     known = [seconds for seconds in times.values() if seconds is not None]
     return {
         **{name: getattr(record, name) for name in ("part", "arm", "run", "case", "processor_s")},
-        **{name: record.summary[name] for name in (*SUMMARY, *COUNTS, "stop")},
+        **{name: record.summary[name] for name in (*SUMMARY_COLUMNS, *COUNTS, "stop")},
         "planning_s": times["planning"],
         "motion_s": times["motion"],
         "iteration_s": sum(known) if known else None,

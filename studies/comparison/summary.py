@@ -6,7 +6,7 @@ from typing import Any
 from scenes.parts import PART_NAMES
 from studies.base.numbers_as_text import counted
 from studies.comparison.goals import goals_json
-from studies.comparison.paper_results import findings
+from studies.comparison.paper_results import paper_findings
 from studies.comparison.planning_speed import SPEED_JOB
 from studies.comparison.statistics import Comparison
 from studies.comparison.verdicts import verdict_words
@@ -70,7 +70,7 @@ def paragraph(comparison: Comparison, planned: int, failed: int) -> str:
     missing = planned - len(comparison.records)
     rest = f" of {planned} that are planned" if missing else ", all that were planned"
     rest += f"; {counted(failed, 'run')} failed" if failed else ""
-    return f"{done}{rest}. {verdict_words(finding.verdict for finding in findings(comparison))}"
+    return f"{done}{rest}. {verdict_words(finding.verdict for finding in paper_findings(comparison))}"
 
 
 def _ends(interval: Interval | None) -> list[float] | None:

@@ -16,7 +16,7 @@ FOUND, DIRECTION, TOO_FEW, NOT_FOUND, UNKNOWN = (
 )
 BASELINES = ("pb", "re")
 """What the paper compares FRA with."""
-NEAR = 0.25
+NEAR_SHARE = 0.25
 """Times and increments within this share of each other agree (choice: the quartiles of the paper's times lie about so
 far apart)."""
 

@@ -16,7 +16,7 @@ from studies.statistics.intervals import Interval, bootstrap_ends, resampled
 
 BIN = 0.2
 """Width of the ranges of prior coverage in which views are compared [-] (choice: five boxes)."""
-FEWEST = 5
+FEWEST_VIEWS = 5
 """Views below which a range says nothing (choice: a box plot needs five numbers)."""
 
 
@@ -39,7 +39,7 @@ def recovery_advantage(comparison: Comparison, part: str) -> Advantage | None:
     ours, theirs = (
         np.stack([_sums(pair[side], kind) for pair in pairs]) for side, kind in ((0, RECOVERY), (1, NBV))
     )  # (starts, 2, ranges) views, what they added
-    enough = np.minimum(ours.sum(0)[0], theirs.sum(0)[0]) >= FEWEST
+    enough = np.minimum(ours.sum(0)[0], theirs.sum(0)[0]) >= FEWEST_VIEWS
     if not enough.any():
         return None
     draws = np.vstack([np.arange(len(pairs)), resampled(len(pairs))])  # the runs that there are, then samples of them

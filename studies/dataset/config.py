@@ -158,15 +158,8 @@ class Camera(Config):
 
     def sensor(self, profile: str) -> SensorSettings:
         """Camera, matcher and mount, as far as a dataset has one for all scenes; depth is kept whole."""
-        return SensorSettings(
-            model=self.model,
-            profile=profile,
-            roll_deg=self.roll_deg,
-            preset=self.preset,
-            decimation=self.decimation,
-            crop=None,
-            matcher=self.matcher,
-        )
+        shared = {name: getattr(self, name) for name in ("model", "roll_deg", "preset", "decimation", "matcher")}
+        return SensorSettings(profile=profile, crop=None, **shared)
 
     def rig(self, profile: str) -> Rig:
         """Imagers and projector streaming at this profile."""
@@ -285,11 +278,10 @@ def load_dataset_config(name: str) -> DatasetConfig:
     preset = load_preset(config.camera.preset, folder)
     if preset.values.get(UNITS, MILLIMETRE_UM) != MILLIMETRE_UM:
         raise InputError(
-            f"{path}: camera.preset {config.camera.preset} has depth units of {preset.values[UNITS]:g} um; a dataset's "
+            f"{path}: camera.preset {config.camera.preset}: depth units are {preset.values[UNITS]:g} um; a dataset's "
             "depth is in whole millimetres, so take that key out of it"
         )
-    camera = config.camera.model_copy(update={"preset": preset.matcher_text})
-    config = config.model_copy(update={"camera": camera})
+    config = config.model_copy(update={"camera": config.camera.model_copy(update={"preset": preset.matcher_text})})
     cad = tuple(entry.model_copy(update={"file": folder / entry.file}) for entry in config.objects.cad)
     user = {name: checked_entry(path, name, entry) for name, entry in config.materials.user.items()}
     return with_files(config, cad, user)

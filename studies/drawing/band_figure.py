@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from studies.drawing import svg
-from studies.statistics.shares import Estimate
+from studies.statistics.intervals import Interval
 
-WIDTH, HEIGHT = 1160, 282
-LEFT, RIGHT, TOP, BOTTOM = 46, 12, 62, 222
+BAND_PLOT = svg.Plot(width=1160, height=282, left=46, right=12, top=62, bottom=222)
 """Margins left and right of each panel, its upper and lower edge [px]."""
 
 
@@ -20,7 +19,7 @@ class Curve:
     name: str
     klass: str
     """Its colour, by a class of the page's style."""
-    points: Sequence[tuple[float, Estimate]]
+    points: Sequence[tuple[float, Interval]]
     """Variable, and mean share with band."""
     place: Callable[[float], str] = "{:g}".format
     """The variable in words."""
@@ -36,20 +35,20 @@ class CurvePanel:
 
 def band_figure(title: str, panels: Sequence[CurvePanel], variable: str, ticks: Sequence[float]) -> Markup:
     """Panels over the same axes: shares from 0 to 100 % against the variable."""
-    width = WIDTH / max(len(panels), 1)
+    width = BAND_PLOT.width / max(len(panels), 1)
     drawn = [_panel(panel, k * width, width, variable, list(ticks)) for k, panel in enumerate(panels)]
-    return svg.figure(WIDTH, HEIGHT, title, *drawn)
+    return svg.figure(BAND_PLOT.width, BAND_PLOT.height, title, *drawn)
 
 
 def _panel(panel: CurvePanel, left: float, width: float, variable: str, ticks: list[float]) -> Markup:
-    x = svg.Scale(min(ticks), max(ticks), left + LEFT, left + width - RIGHT)
-    y = svg.Scale(0, 100, BOTTOM, TOP)
+    x = svg.Scale(min(ticks), max(ticks), left + BAND_PLOT.left, left + width - BAND_PLOT.right)
+    y = svg.Scale(0, 100, BAND_PLOT.bottom, BAND_PLOT.top)
     return svg.join(
-        svg.text(left + LEFT - 30, 18, panel.title, "axis-label strong"),
-        svg.text(left + LEFT - 30, 42, "share [%]", "tick-label"),
-        svg.left_axis(y, left + LEFT, left + width - RIGHT, [0, 50, 100]),
+        svg.text(left + BAND_PLOT.left - 30, 18, panel.title, "axis-label strong"),
+        svg.text(left + BAND_PLOT.left - 30, 42, "share [%]", "tick-label"),
+        svg.left_axis(y, left + BAND_PLOT.left, left + width - BAND_PLOT.right, [0, 50, 100]),
         *(band_and_line(curve, x, y) for curve in panel.curves),
-        svg.bottom_axis(x, BOTTOM, variable, ticks),
+        svg.bottom_axis(x, BAND_PLOT.bottom, variable, ticks),
     )
 
 

@@ -8,8 +8,7 @@ from markupsafe import Markup
 from render.labels.causes import LEGEND, Cause
 from studies.drawing import svg
 
-WIDTH = 1160
-LEFT, RIGHT, TOP = 196, 1120, 34
+_LEFT, _RIGHT, _TOP = 196, 1120, 34
 BAR, STEP = 20, 30
 """Height of a bar and from one to the next [px]."""
 
@@ -27,19 +26,21 @@ class Bar:
 
 def cause_figure(title: str, bars: Sequence[Bar]) -> Markup:
     """Bars from right depth, which is left blank, to the causes in the legend's order."""
-    x = svg.Scale(0, 100, LEFT, RIGHT)
-    bottom = TOP + STEP * len(bars)
+    x = svg.Scale(0, 100, _LEFT, _RIGHT)
+    bottom = _TOP + STEP * len(bars)
     grid = [
-        svg.join(svg.line(x(t), TOP - 6, x(t), bottom, "grid"), svg.text(x(t), bottom + 16, f"{t:g}", "tick-label mid"))
+        svg.join(
+            svg.line(x(t), _TOP - 6, x(t), bottom, "grid"), svg.text(x(t), bottom + 16, f"{t:g}", "tick-label mid")
+        )
         for t in (0, 20, 40, 60, 80, 100)
     ]
     return svg.figure(
-        WIDTH,
+        svg.PAGE_WIDTH,
         bottom + 44,
         title,
         *grid,
-        *(_bar(bar, TOP + k * STEP, x) for k, bar in enumerate(bars)),
-        svg.text((LEFT + RIGHT) / 2, bottom + 38, "share of the part's pixels [%]", "axis-label mid"),
+        *(_bar(bar, _TOP + k * STEP, x) for k, bar in enumerate(bars)),
+        svg.text((_LEFT + _RIGHT) / 2, bottom + 38, "share of the part's pixels [%]", "axis-label mid"),
     )
 
 
@@ -58,7 +59,7 @@ def _bar(bar: Bar, y: float, x: svg.Scale) -> Markup:
         "rect", x=x(100 * start), y=y, width=max(x(100) - x(100 * start), 0), height=BAR, klass="right-depth"
     )
     return svg.join(
-        svg.text(LEFT - 12, y + 15, bar.label, "tick-label end"),
+        svg.text(_LEFT - 12, y + 15, bar.label, "tick-label end"),
         *pieces,
         svg.marked(rest, f"{bar.label}, right depth: {100 * (1 - start):.1f} % of {bar.count:,} px"),
     )

@@ -6,7 +6,7 @@ from studies.statistics.intervals import Difference, Interval, Quartiles
 
 POINTS = 100.0
 """Shares as percentages."""
-NONE = "\u2013"
+NO_NUMBER = "\u2013"
 """Where there can be no number."""
 
 
@@ -26,16 +26,16 @@ def mean(interval: Interval | None, scale: float, form: str) -> str:
     return "n/a" if interval is None else signs(format(scale * interval.mean, form))
 
 
-def spread(interval: Interval | None, scale: float, form: str) -> str:
+def mean_and_range(interval: Interval | None, scale: float, form: str) -> str:
     """The mean with its interval, which a single run does not have."""
     if interval is None or interval.count == 1:
         return mean(interval, scale, form)
     return with_range(scale * interval.mean, scale * interval.low, scale * interval.high, form)
 
 
-def change(difference: Difference | None, scale: float = POINTS, form: str = "+z.1f") -> str:
+def signed(difference: Difference | None, scale: float = POINTS, form: str = "+z.1f") -> str:
     """A difference with its sign, in points unless said otherwise."""
-    return spread(difference.interval if difference else None, scale, form)
+    return mean_and_range(difference.interval if difference else None, scale, form)
 
 
 def seconds(times: Quartiles | None) -> str:
@@ -45,4 +45,4 @@ def seconds(times: Quartiles | None) -> str:
 
 def probability(p: float | None) -> str:
     """Two digits, as many as a p is good for."""
-    return NONE if p is None else f"{p:.2g}"
+    return NO_NUMBER if p is None else f"{p:.2g}"

@@ -29,6 +29,23 @@ class Scale:
         return round_ticks(self.low, self.high, about)
 
 
+@dataclass(frozen=True)
+class Plot:
+    """Where a plot stands inside a drawing [px]; edges or margins, as the figure that uses it says."""
+
+    width: int
+    """Of the whole drawing."""
+    height: int
+    left: int
+    right: int
+    top: int
+    bottom: int
+
+
+PAGE_WIDTH = 1160
+"""Of drawings that are as wide as a page's cards [px]."""
+
+
 def round_ticks(low: float, high: float, about: int) -> list[float]:
     """Multiples of 1, 2 or 5 times a power of ten between two values, at most `about` + 1 of them."""
     if high <= low:

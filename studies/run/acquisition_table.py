@@ -1,29 +1,14 @@
 """`acquisitions.parquet`: one row per acquisition of a run. The columns, their units and meanings stand here only."""
 
-import io
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from collections.abc import Iterable
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from franbv.evaluation import TOLERANCE, TOLERANCES
-from studies.base.atomic_file import write_atomically
+from studies.store.tables import Column
 
 FIRST, NBV, RECOVERY = "first", "nbv", "recovery"
 """Kinds of acquisition: the given first view, a next best view, a recovery view of a reflective region."""
-
-
-@dataclass(frozen=True)
-class Column:
-    """One column of the table."""
-
-    name: str
-    type: pa.DataType
-    meaning: str
-    """With the unit in square brackets."""
 
 
 def coverage_column(tolerance: float, filtered: bool = False) -> str:
@@ -41,7 +26,7 @@ def _coverages() -> Iterable[Column]:
     yield Column(coverage_column(TOLERANCE, filtered=True), pa.float64(), meaning)
 
 
-COLUMNS = (
+ACQUISITION_COLUMNS = (
     Column("acquisition", pa.int32(), "Number of the acquisition, from 0 [-]"),
     Column("kind", pa.string(), "first, nbv or recovery"),
     Column("iteration", pa.int32(), "NBV iteration that it belongs to; 0 = the first view [-]"),
@@ -68,21 +53,3 @@ COLUMNS = (
     *_coverages(),
     Column("motion_s", pa.float64(), "Modelled time of the arm's motion to this pose [s]"),
 )
-
-SCHEMA = pa.schema([pa.field(c.name, c.type, metadata={"meaning": c.meaning}) for c in COLUMNS])
-
-
-def write_table(path: Path, rows: Iterable[Mapping[str, Any]]) -> None:
-    """Write the rows; a column that a row leaves out is empty, one that the schema does not know is an error."""
-    rows = list(rows)
-    unknown = {name for row in rows for name in row} - set(SCHEMA.names)
-    if unknown:
-        raise ValueError(f"columns {sorted(unknown)} are not in the schema of {path.name}")
-    buffer = io.BytesIO()
-    pq.write_table(pa.Table.from_pylist([dict(row) for row in rows], schema=SCHEMA), buffer)
-    write_atomically(path, buffer.getvalue())
-
-
-def read_table(path: Path) -> list[dict[str, Any]]:
-    """The rows in order."""
-    return pq.read_table(path).to_pylist()

@@ -10,9 +10,9 @@ from franbv.acquisition import Acquisition, Reconstruction
 from franbv.evaluation import (
     TOLERANCE,
     TOLERANCES,
+    History,
     Quality,
     Reference,
-    history,
     quality,
     wrongly_free_share,
     wrongly_occupied_share,
@@ -44,11 +44,10 @@ class RunRecorder:
         self.rows.append(self._row(acquisition, view))
         return view
 
-    def finished_rows(self, run: Reconstruction) -> list[dict[str, Any]]:
+    def finished_rows(self, past: History) -> list[dict[str, Any]]:
         """The rows with the map-filtered coverage, which is found for all acquisitions at once."""
-        filtered = history(self._reference, run.acquisitions).filtered_coverage
         column = coverage_column(TOLERANCE, filtered=True)
-        return [row | {column: float(value)} for row, value in zip(self.rows, filtered, strict=True)]
+        return [row | {column: float(value)} for row, value in zip(self.rows, past.filtered_coverage, strict=True)]
 
     def _update_coverage(self, acquisition: Acquisition) -> None:
         if len(acquisition.points):
@@ -118,9 +117,8 @@ def cloud_owner(run: Reconstruction) -> Int[np.ndarray, "n"]:
     return np.repeat(np.arange(len(run.acquisitions)), [len(a.points) for a in run.acquisitions])
 
 
-def run_summary(run: Reconstruction, reference: Reference) -> dict[str, Any]:
+def run_summary(run: Reconstruction, past: History, reference: Reference) -> dict[str, Any]:
     """The figures of a run; shares as fractions, lengths in millimetres."""
-    past = history(reference, run.acquisitions)
     final = run.acquisitions[-1].model
     occupied = final.object.occupied
     return {

@@ -18,7 +18,7 @@ MOST_DRAWN = 16 * N_DRAWN
 """Points drawn at most. A part of which fewer than one in 64 can be seen keeps fewer reference points."""
 N_DISTANCE = 300_000
 """Samples of the whole surface for distances: 0.2 mm apart on 0.04 m^2 (`distance_to_samples`)."""
-SEED = 0
+REFERENCE_SEED = 0
 """The points belong to the part and not to the run, so that runs can be compared."""
 
 Visible = Callable[[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]], Bool[np.ndarray, "n"]]
@@ -29,13 +29,13 @@ def reference_surface(scene: Scene, visible: Visible) -> Reference:
     """Area-uniform points on the visible part of the surface, and the distance to the whole of it."""
     drawn = N_DRAWN
     while True:
-        points, normals = reference_points(scene, drawn, SEED)
+        points, normals = reference_points(scene, drawn, REFERENCE_SEED)
         seen = points[visible(points, normals)]
         if len(seen) >= N_REFERENCE or drawn >= MOST_DRAWN:
             break
         drawn *= 4
     if len(seen) == 0:
         raise InputError(f"{scene.name}: no point of its surface can be seen from above; are its faces turned inward?")
-    samples, _ = reference_points(scene, N_DISTANCE, SEED + 1)
+    samples, _ = reference_points(scene, N_DISTANCE, REFERENCE_SEED + 1)
     # The drawn points are in random order, so the first ones are as uniform as all.
     return Reference(seen[:N_REFERENCE], distance_to_samples(samples))

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, TypeVar
 from pydantic import Field, model_validator
 
 from franbv.acquisition import Acquisition, Reconstruction
-from franbv.evaluation import Reference
+from franbv.evaluation import Reference, history
 from franbv.parameters import Parameters
 from franbv.reconstruction import reconstruct
 from franbv.sensing import Arm
@@ -14,17 +14,18 @@ from studies.base.atomic_file import write_atomically
 from studies.base.case_folder import case_digest
 from studies.base.config import Config
 from studies.base.console import progress_bar, strict_json
-from studies.base.single_case import versions
 from studies.run.ablation import Ablation, build_planner
-from studies.run.acquisition_table import write_table
+from studies.run.acquisition_table import ACQUISITION_COLUMNS
 from studies.run.bursts import KeptCaptures
 from studies.run.recorder import RunRecorder, cloud_owner, run_summary, surface_arrays, timing_figures
 from studies.run.report.page import write_report
 from studies.run.stored_run import CLOUD, FILTERED_CLOUD, RUN, SURFACE, TABLE, TIMINGS
 from studies.store.ply import write_ply
+from studies.store.tables import write_rows
 from studies.store.views import write_arrays, write_view
+from studies.work.maker import versions
 
-COMMAND = "reconstruct"
+RUN_COMMAND = "reconstruct"
 """What the case's name and its `run.json` call it."""
 
 
@@ -96,19 +97,19 @@ def write_result(
     recorder: RunRecorder,
 ) -> None:
     """Write everything that two runs of one configuration have in common, byte for byte."""
-    owner = cloud_owner(result)
+    owner, past = cloud_owner(result), history(reference, result.acquisitions)
     write_ply(folder / CLOUD, result.cloud, owner)
     write_ply(folder / FILTERED_CLOUD, result.cloud[result.is_mapped], owner[result.is_mapped])
     write_arrays(folder / SURFACE, surface_arrays(reference, recorder))
-    write_table(folder / TABLE, recorder.finished_rows(result))
+    write_rows(folder / TABLE, ACQUISITION_COLUMNS, recorder.finished_rows(past))
     facts: dict[str, Any] = {
-        "command": COMMAND,
-        "case": case_digest(COMMAND, config),
+        "command": RUN_COMMAND,
+        "case": case_digest(RUN_COMMAND, config),
         "title": title,
         "config": config.model_dump(mode="json"),
         "versions": versions(),
         "surface_points": len(reference.points),
-        "summary": run_summary(result, reference),
+        "summary": run_summary(result, past, reference),
     }
     write_atomically(folder / RUN, strict_json(facts, indent=1).encode())
 

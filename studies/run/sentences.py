@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from studies.base.numbers_as_text import counted, millimetres, number, percent
+from studies.base.numbers_as_text import counted, millimetre_words, number, percent
 
 STOP_WORDS = {
     "max_iterations": "the allowed number of next best views was taken",
@@ -30,8 +30,9 @@ def run_paragraph(run: Mapping[str, Any], timings: Mapping[str, Any]) -> str:
     sentences = [
         f"{planner} took {effort} and reconstructed {percent(s['coverage_5mm'])} of the visible surface to within 5 mm "
         f"({percent(s['filtered_coverage_5mm'])} when only points in occupied voxels count).",
-        f"The cloud lies {millimetres(s['accuracy_mm'])} off the true surface on average, "
-        f"{millimetres(s['accuracy_median_mm'])} in the median; its F-score is {number(s['f_score'], '.2f')} at 5 mm.",
+        f"The cloud lies {millimetre_words(s['accuracy_mm'])} off the true surface on average, "
+        f"{millimetre_words(s['accuracy_median_mm'])} in the median; "
+        f"its F-score is {number(s['f_score'], '.2f')} at 5 mm.",
         _recovery_sentence(s),
         f"It ended because {STOP_WORDS.get(s['stop'], s['stop'])}, after {timings['wall_s']:.0f} s.",
     ]

@@ -10,10 +10,10 @@ import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from materials.input_error import InputError
-from studies.run.acquisition_table import read_table
 from studies.run.bursts import infrared_path
 from studies.store.images import read_png
 from studies.store.ply import read_ply
+from studies.store.tables import read_rows
 from studies.store.views import StoredView, read_arrays, read_view
 
 RUN, TIMINGS, TABLE, CLOUD, FILTERED_CLOUD, SURFACE, REPORT = (
@@ -47,7 +47,7 @@ class StoredRun:
     @cached_property
     def rows(self) -> list[dict[str, Any]]:
         """The table of acquisitions."""
-        return read_table(self.folder / TABLE)
+        return read_rows(self.folder / TABLE)
 
     @cached_property
     def surface(self) -> tuple[Float[np.ndarray, "m 3"], Int[np.ndarray, "m"]]:

@@ -37,7 +37,7 @@ def filled(disparity: Float[np.ndarray, "h w"]) -> Float[np.ndarray, "h w"]:
     return np.where(np.isfinite(nearest), nearest, 0.0)
 
 
-def counted(background: Float[np.ndarray, "h w"], factor: int) -> Bool[np.ndarray, "h w"]:
+def scored_pixels(background: Float[np.ndarray, "h w"], factor: int) -> Bool[np.ndarray, "h w"]:
     """Pixels that scores count: not near the border, nor in or near the left band without a partner."""
     margin = MARGIN_PX // factor
     inside = np.zeros(background.shape, bool)

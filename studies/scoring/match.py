@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float, UInt8
 
-from studies.scoring.hole_classes import counted, filled, hole_classes
+from studies.scoring.hole_classes import filled, hole_classes, scored_pixels
 from studies.store.stereo_files import ReferenceDepth
 
 BLOB_SIZES_PX = (1, 50, 200)
@@ -118,7 +118,7 @@ def score(
     """Score disparities [px], 0 = hole, against a camera's own depth; focal_baseline: f B [px m]."""
     reduced = halved(disparity) if reference.factor == 2 else disparity
     truth = _disparity(reference, reduced, focal_baseline)
-    where = counted(filled(truth), reference.factor)
+    where = scored_pixels(filled(truth), reference.factor)
     found, holes = reduced == 0, reference.holes
     classes = {
         name: HoleScore.of(found, holes, where & mask)

@@ -64,7 +64,7 @@ class ViewGain:
 
 
 @dataclass(frozen=True)
-class Views:
+class ViewGains:
     """Several views of the same missing surface."""
 
     gains: tuple[ViewGain, ...]
@@ -78,9 +78,9 @@ class RecoveryScore:
 
     missing_area: float
     """[m^2]"""
-    diamond: Views
-    pb: Views
-    best: Views
+    diamond: ViewGains
+    pb: ViewGains
+    best: ViewGains
     """The pose of the hemisphere that regains most."""
     n_tried: int
     """Poses of the hemisphere that the arm reaches and that look at the surface's front."""
@@ -119,14 +119,14 @@ def score_recovery(
     best = max(confirmed, key=lambda burst: regained_share(state.missing, [burst]), default=None)
     return RecoveryScore(
         state.missing.area,
-        gains(state, diamond),
-        gains(state, plain),
-        gains(state, [best] if best is not None else []),
+        view_gains(state, diamond),
+        view_gains(state, plain),
+        view_gains(state, [best] if best is not None else []),
         len(poses),
     )
 
 
-def gains(state: State, bursts: Sequence[DepthBurst]) -> Views:
+def view_gains(state: State, bursts: Sequence[DepthBurst]) -> ViewGains:
     """What each burst regains by itself, and all together."""
     before = _incidence_deg(state.missing, state.T_world_cam)
     each = tuple(
@@ -139,7 +139,7 @@ def gains(state: State, bursts: Sequence[DepthBurst]) -> Views:
         )
         for burst in bursts
     )
-    return Views(each, regained_share(state.missing, bursts) if bursts else float("nan"))
+    return ViewGains(each, regained_share(state.missing, bursts) if bursts else float("nan"))
 
 
 def regained_share(missing: Surface, bursts: Sequence[DepthBurst]) -> float:

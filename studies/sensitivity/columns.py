@@ -42,7 +42,7 @@ KEYS = (
     Column("main_light", pa.bool_(), "Whether detection and recovery were measured under this light"),
 )
 
-STAGES = ("persistent_invalid", "inside_silhouette", "inside_eroded_silhouette", "located", "grouped")
+DETECTOR_STAGES = ("persistent_invalid", "inside_silhouette", "inside_eroded_silhouette", "located", "grouped")
 """Steps of the detector: the three image filters, the one that gives pixels a place, clustering into regions."""
 
 _STAGE_MEANINGS = (
@@ -58,7 +58,7 @@ DETECTION_COLUMNS = (
            "unless detection was measured [px]"),
     *(
         column
-        for stage, meaning in zip(STAGES, _STAGE_MEANINGS, strict=True)
+        for stage, meaning in zip(DETECTOR_STAGES, _STAGE_MEANINGS, strict=True)
         for column in (
             Column(f"found_{stage}", pa.int32(), f"Decimated pixels {meaning} [px]"),
             Column(f"right_{stage}", pa.int32(), "Of them: reflective [px]"),

@@ -1,28 +1,29 @@
 """`franbv study sensitivity`: which materials and angles break the depth, the detector and the recovery, and why."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
 import tyro
 
 from studies.base.case_folder import finished_case
-from studies.base.console import say, say_json, warn
+from studies.base.console import say, say_json
 from studies.base.flags import parse
 from studies.base.inputs import check_not_overwritten
 from studies.base.output_errors import prepare_output
 from studies.run.scene_settings import preset_files, with_sensor_resolved
 from studies.run.stored_run import REPORT
 from studies.sensitivity.cases import CaseConfig, sweep_cases
-from studies.sensitivity.measurement import CASES, TWINS, CaseTask, TwinTask, do_case, do_twin
+from studies.sensitivity.measurement import CASES, TWINS, CaseTask, TwinTask, case_maker, do_case, do_twin
 from studies.sensitivity.plan import PLAN, write_plan
 from studies.sensitivity.preset import SensitivityPreset
-from studies.sensitivity.tables import TABLES, gather, summary, write_tables
-from studies.work.workers import Failure, Job, limit_renderer, run_jobs, worker_count
+from studies.sensitivity.tables import TABLES, gather_tables, study_summary, write_tables
+from studies.work.executor import Executor, WorkFlags, check_alike, executor_of, exit_status, reasons_once
+from studies.work.workers import Failure, Job
 
-PROGRAM = "franbv study sensitivity"
-HELP = "Measure which materials and angles break the depth, the detector and the recovery, and why."
+_PROGRAM = "franbv study sensitivity"
+_HELP = "Measure which materials and angles break the depth, the detector and the recovery, and why."
 
 
 @dataclass(frozen=True)
@@ -33,8 +34,7 @@ class SensitivityCommand:
     """Output folder. Finished cases in it are not measured again."""
     preset: Annotated[str, tyro.conf.arg(metavar="quick|full|FILE.yaml")] = "quick"
     """What to measure: a preset, or a YAML file of your own."""
-    workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
-    """Worker processes; the default is one for each processor."""
+    work: Annotated[WorkFlags, tyro.conf.arg(name="")] = field(default_factory=WorkFlags)
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object as the last line of stdout."""
 
@@ -42,32 +42,30 @@ class SensitivityCommand:
 def run(args: list[str]) -> int:
     """Measure what is missing, then build tables and report from all cases."""
     began = time.perf_counter()
-    command = parse(SensitivityCommand, args, PROGRAM, HELP)
+    command = parse(SensitivityCommand, args, _PROGRAM, _HELP)
     named = SensitivityPreset.named(command.preset)
     preset = with_sensor_resolved(named)
     wanted = sweep_cases(preset)
-    workers = worker_count(command.workers)
     written = (PLAN, REPORT, *(f"{table}.parquet" for table in TABLES))
     check_not_overwritten(preset_files(command.preset, named.sensor), map(command.out.joinpath, written))
-    prepare_output(command.out)
-    plan = write_plan(command.out, preset.title, preset, [(case.sweep, case.config.digest) for case in wanted])
-    failures = measure(command.out, [case.config for case in wanted], workers)
-    for failure in failures:
-        warn(f"{PROGRAM}: {failure.name}: {failure.reason}")
+    with executor_of(command.work) as executor:  # before anything is written
+        prepare_output(command.out)
+        plan = write_plan(command.out, preset.title, preset, [(case.sweep, case.config.digest) for case in wanted])
+        failures = measure(command.out, [case.config for case in wanted], executor)
     from studies.sensitivity.report.page import write_sensitivity_report
 
-    tables = gather(command.out, plan.cases)
+    tables = gather_tables(command.out, plan.cases)
     write_tables(command.out, tables)
     report = write_sensitivity_report(command.out, plan, tables)
     say(f"{report}")
-    figures = {**summary(tables), "failed": len(failures), "wall_s": time.perf_counter() - began}
+    figures = {**study_summary(tables), "failed": len(failures), "wall_s": time.perf_counter() - began}
     if command.json:
         say_json(figures)
-    return 1 if failures else 0
+    return exit_status(failures)
 
 
-def measure(out: Path, configs: list[CaseConfig], workers: int) -> list[Failure]:
-    """Measure the cases that are not there yet, and the twins that they need, on this many processes."""
+def measure(out: Path, configs: list[CaseConfig], executor: Executor) -> list[Failure]:
+    """Measure the cases that are not there yet, and the twins that they need."""
     distinct = {config.digest: config for config in configs}
     missing = [config for digest, config in distinct.items() if finished_case(out / CASES, digest) is None]
     twins = {twin.digest: twin for config in missing for twin in config.twins}
@@ -76,4 +74,8 @@ def measure(out: Path, configs: list[CaseConfig], workers: int) -> list[Failure]
         [Job(twin.title, do_twin, TwinTask(out, twin)) for twin in needed],
         [Job(config.title, do_case, CaseTask(out, config)) for config in missing],
     ]
-    return run_jobs(stages, workers, limit_renderer, already_done=len(distinct) - len(missing))
+    if missing:
+        check_alike(
+            executor, out, [case_maker(out, digest) for digest in distinct if finished_case(out / CASES, digest)]
+        )
+    return executor.run(stages, len(distinct) - len(missing), reasons_once(_PROGRAM))

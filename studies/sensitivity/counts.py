@@ -12,20 +12,20 @@ from render.d435i import SimulatedD435i
 from render.labels.causes import HOLES, Cause, is_hole
 from render.labels.outcome import blocks
 from render.world.mitsuba_scene import NO_BODY
-from render.world.truth import Truth
+from render.world.truth import Truth, looks_at_part
 from studies.sensitivity.cases import CaseConfig
 from studies.sensitivity.columns import FALSE_DEPTHS, cause_column
 from studies.sensitivity.preset import OWN
-from studies.sensitivity.views import LabelledView
+from studies.sensitivity.views import LitView
 
-BIN_DEG = 10.0
+INCIDENCE_BIN_DEG = 10.0
 """Width of a bin of incidence angles [deg] (choice: some hundred pixels of a small coupon in each)."""
-EDGE_PX = 9
+OUTLINE_PX = 9
 """Pixels nearer to the part's outline than this do not count as facing [px] (choice: a census window, so that only the
 surface itself decides)."""
 
 
-def view_keys(config: CaseConfig, view: LabelledView) -> dict[str, Any]:
+def view_keys(config: CaseConfig, view: LitView) -> dict[str, Any]:
     """What the rows of a view begin with."""
     metal, _, finish = config.material.partition(":")
     surface = None if config.material == OWN else material(config.material)
@@ -48,18 +48,10 @@ def view_keys(config: CaseConfig, view: LabelledView) -> dict[str, Any]:
     }
 
 
-def part_pixels(camera: SimulatedD435i, truth: Truth) -> Bool[np.ndarray, "h w"]:
-    """Full-resolution pixels that look at the part, inside the measured window or not."""
-    is_part = np.zeros(NO_BODY + 1, bool)
-    bodies = camera.world.source.bodies
-    is_part[: len(bodies)] = [body.is_part for body in bodies]
-    return is_part[truth.body]
-
-
-def view_counts(view: LabelledView) -> dict[str, Any]:
+def view_counts(view: LitView) -> dict[str, Any]:
     """Counts of one view, by the names of the columns of `views.parquet`."""
     camera, labels, truth = view.camera, view.labels, view.truth
-    part = part_pixels(camera, truth) & (labels.cause != Cause.UNMEASURED)
+    part = looks_at_part(truth, camera.world.source) & (labels.cause != Cause.UNMEASURED)
     part_blocks = blocks(part, camera).mean(axis=-1) > 0.5
     facing = facing_pixels(camera, truth, part)
     unusable = is_hole(labels.cause) | labels.false_depth
@@ -77,15 +69,15 @@ def view_counts(view: LabelledView) -> dict[str, Any]:
     }
 
 
-def incidence_counts(view: LabelledView) -> list[dict[str, Any]]:
+def incidence_counts(view: LitView) -> list[dict[str, Any]]:
     """Counts of one view in bins of true incidence, by the names of the columns of `incidence.parquet`."""
     labels, truth = view.labels, view.truth
-    part = part_pixels(view.camera, truth) & (labels.cause != Cause.UNMEASURED)
+    part = looks_at_part(truth, view.camera.world.source) & (labels.cause != Cause.UNMEASURED)
     number = np.full(part.shape, -1)
-    number[part] = (np.degrees(truth.incidence[part]) // BIN_DEG).astype(int)
+    number[part] = (np.degrees(truth.incidence[part]) // INCIDENCE_BIN_DEG).astype(int)
     return [
         {
-            "incidence_deg": (k + 0.5) * BIN_DEG,
+            "incidence_deg": (k + 0.5) * INCIDENCE_BIN_DEG,
             "part_pixels": int(np.count_nonzero(number == k)),
             **cause_counts(labels.picture[number == k]),
         }
@@ -104,6 +96,6 @@ def facing_pixels(camera: SimulatedD435i, truth: Truth, part: Bool[np.ndarray, "
 
     There the half-vectors between projector and either imager differ by B / (2 Z), and lie about as near to the normal.
     """
-    inside = cv2.erode(part.astype(np.uint8), np.ones((2 * EDGE_PX + 1,) * 2, np.uint8)) > 0
+    inside = cv2.erode(part.astype(np.uint8), np.ones((2 * OUTLINE_PX + 1,) * 2, np.uint8)) > 0
     with np.errstate(divide="ignore", invalid="ignore"):
         return inside & (truth.incidence < camera.rig.baseline / (2 * truth.depth))

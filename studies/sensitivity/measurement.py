@@ -1,5 +1,6 @@
 """One case of a sensitivity study, from its configuration to its folder."""
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -7,12 +8,12 @@ from typing import Any
 from studies.base.atomic_file import write_atomically
 from studies.base.case_folder import writing
 from studies.base.console import strict_json
-from studies.base.single_case import versions
 from studies.sensitivity.cases import CaseConfig, TwinConfig
 from studies.sensitivity.counts import incidence_counts, view_counts, view_keys
 from studies.sensitivity.planning import detection_counts, first_look, recovery_rows
 from studies.sensitivity.twins import make_twin
-from studies.sensitivity.views import labelled_views
+from studies.sensitivity.views import lit_views
+from studies.work.maker import Maker, versions
 
 FACTS, RESULT = "case.json", "result.json"
 """Files of a case: what was measured, and what came out."""
@@ -51,10 +52,16 @@ def do_case(task: CaseTask) -> None:
         write_atomically(folder / RESULT, strict_json(result).encode())
 
 
+def case_maker(out: Path, digest: str) -> tuple[str, Maker]:
+    """Name of a finished case in a study's folder, and what made it."""
+    facts = json.loads((out / CASES / digest / FACTS).read_text(encoding="utf-8"))
+    return f"case {digest}", facts["versions"]
+
+
 def measured(config: CaseConfig, twins: Path) -> dict[str, list[dict[str, Any]]]:
     """Rows of the study's tables. Detection and recovery are tried under the first light only."""
     tables: dict[str, list[dict[str, Any]]] = {"views": [], "incidence": [], "recovery_views": []}
-    for view in labelled_views(config, twins):
+    for view in lit_views(config, twins):
         keys = view_keys(config, view)
         row = keys | view_counts(view)
         tables["incidence"] += [keys | counts for counts in incidence_counts(view)]

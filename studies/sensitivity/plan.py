@@ -10,7 +10,7 @@ from materials.input_error import InputError
 from studies.base.atomic_file import write_atomically
 from studies.base.config import Config
 from studies.base.console import strict_json
-from studies.base.single_case import versions
+from studies.work.maker import versions
 
 PLAN = "study.json"
 """File of a sensitivity study."""

@@ -18,19 +18,19 @@ from franbv.reflective_regions import Detection
 from franbv.sensing import DepthBurst
 from franbv.voxel_map import empty_map
 from render.arm.arm import SimulatedArm
+from render.world.truth import looks_at_part
 from studies.scoring.detection import GROUPED, LOCATED, score_detection
 from studies.scoring.missing_surface import Surface, block_pixels, missing_patches, visible_surface
-from studies.scoring.recovery import RecoveryScore, State, Views, burst_points, score_recovery, still_missing
+from studies.scoring.recovery import RecoveryScore, State, ViewGains, burst_points, score_recovery, still_missing
 from studies.sensitivity.cases import CaseConfig, plain_paths
-from studies.sensitivity.columns import STAGES
-from studies.sensitivity.counts import part_pixels
-from studies.sensitivity.views import LabelledView
+from studies.sensitivity.columns import DETECTOR_STAGES
+from studies.sensitivity.views import LitView
 from studies.store.images import MM
 
 SCOUT_SAMPLING: dict[str, Any] = plain_paths(8) | {"lamp_points": 4, "indirect_directions": 32}
 """Of the camera that looks from the poses of a hemisphere (choice: half the time of the other views; whichever poses
 look best are measured again)."""
-STAGE_NAMES = dict(zip(STAGES, (*STAGES[:3], LOCATED, GROUPED), strict=True))
+STAGE_NAMES = dict(zip(DETECTOR_STAGES, (*DETECTOR_STAGES[:3], LOCATED, GROUPED), strict=True))
 """Steps of the detector by the names of the columns, and by those of the scores."""
 
 
@@ -52,7 +52,7 @@ def first_look(burst: DepthBurst, parameters: Parameters, seed: int) -> Planned:
         return Planned(model, planner.recovery.detect(burst, model, parameters))
 
 
-def detection_counts(view: LabelledView, planned: Planned) -> dict[str, Any]:
+def detection_counts(view: LitView, planned: Planned) -> dict[str, Any]:
     """The detector's counts, by the names of the columns."""
     pose = view.measurement.T_world_cam
     scores = score_detection(view.camera, pose, view.truth, view.labels, planned.detection)
@@ -77,9 +77,7 @@ def detection_counts(view: LabelledView, planned: Planned) -> dict[str, Any]:
     }
 
 
-def recovery_rows(
-    view: LabelledView, planned: Planned, config: CaseConfig
-) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+def recovery_rows(view: LitView, planned: Planned, config: CaseConfig) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """What the recovery of the largest region regains: the view's columns, and a row per recovery view.
 
     Nothing where no region was found, or where all that it signals is covered.
@@ -104,7 +102,7 @@ def recovery_rows(
     return _summary(score), takes
 
 
-def signalled_surface(view: LabelledView, detection: Detection) -> Surface | None:
+def signalled_surface(view: LitView, detection: Detection) -> Surface | None:
     """The part's true surface that the largest region signals: all of every hole that has a pixel in the region.
 
     Holes are matched by their pixels, since a region's points may lie centimetres before the surface. Surface that the
@@ -117,7 +115,7 @@ def signalled_surface(view: LabelledView, detection: Detection) -> Surface | Non
     in_region[block_pixels(view.camera)[v, u].ravel()] = True
     patches = [patch for patch in missing_patches(view.camera, view.labels) if in_region[patch].any()]
     chosen = np.concatenate(patches) if patches else np.zeros(0, int)
-    chosen = chosen[part_pixels(view.camera, view.truth).ravel()[chosen]]
+    chosen = chosen[looks_at_part(view.truth, view.camera.world.source).ravel()[chosen]]
     surface = visible_surface(view.truth, view.camera.rig.intrinsics, view.measurement.T_world_cam).only(chosen)
     return still_missing(surface, burst_points(view.measurement.burst))
 
@@ -135,7 +133,7 @@ def _summary(score: RecoveryScore) -> dict[str, Any]:
     }
 
 
-def _views(kind: str, views: Views) -> list[dict[str, Any]]:
+def _views(kind: str, views: ViewGains) -> list[dict[str, Any]]:
     return [
         {
             "kind": kind,

@@ -13,7 +13,8 @@ from math import exp, log
 
 from render.world.rig import BASELINE
 from studies.sensitivity.shares import Row
-from studies.statistics.shares import Estimate, mean_share, pooled
+from studies.statistics.intervals import Interval, mean_interval
+from studies.statistics.shares import pooled
 
 HALF = 0.5
 """Of the largest share: where the curve has fallen so far, it bends (choice: the usual half width). Not half of all
@@ -26,7 +27,7 @@ class RoughnessCurve:
 
     subject: str
     distance_m: float
-    points: tuple[tuple[float, Estimate], ...]
+    points: tuple[tuple[float, Interval], ...]
     """(alpha, share over seeds and metals), rising alpha."""
     baseline: float = BASELINE
     """Of the camera [m]."""
@@ -62,7 +63,7 @@ def roughness_curves(rows: Sequence[Row], baseline: float = BASELINE) -> list[Ro
             shares[row["subject"], row["distance_m"]][row["alpha_u"]].append(share)
     return [
         RoughnessCurve(
-            subject, distance, tuple((alpha, mean_share(by_alpha[alpha])) for alpha in sorted(by_alpha)), baseline
+            subject, distance, tuple((alpha, mean_interval(by_alpha[alpha])) for alpha in sorted(by_alpha)), baseline
         )
         for (subject, distance), by_alpha in sorted(shares.items())
     ]

@@ -12,8 +12,8 @@ from studies.sensitivity.shares import (
     false_by_reflection,
     leading_kind,
     part_pixels,
+    pooled_share,
     reflection_holes,
-    share,
 )
 
 MUCH = 0.1
@@ -77,11 +77,11 @@ def pb_regained(rows: Rows) -> float | None:
 
 
 def _deceived(rows: Rows) -> bool:
-    return (share(rows, false_by_reflection, part_pixels) or 0) >= MUCH
+    return (pooled_share(rows, false_by_reflection, part_pixels) or 0) >= MUCH
 
 
 def _deceived_words(rows: Rows) -> str:
-    false = percent(share(rows, false_by_reflection, part_pixels))
+    false = percent(pooled_share(rows, false_by_reflection, part_pixels))
     return (
         f"{false} of the surface has a false depth that a matte surface would not have. "
         "The detector looks for missing depth and cannot see it."
@@ -93,7 +93,7 @@ def _blind(rows: Rows) -> bool:
 
 
 def _blind_words(rows: Rows) -> str:
-    lost = percent(share(rows, reflection_holes, part_pixels))
+    lost = percent(pooled_share(rows, reflection_holes, part_pixels))
     words = (
         f"Reflection takes the depth of {lost} of the surface. Of the holes that decimation leaves the detector "
         f"reports {percent(recall(rows))}."

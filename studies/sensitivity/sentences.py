@@ -14,7 +14,7 @@ ROUGH_ENOUGH = 0.1
 """Share of unusable surface below which a finish counts as harmless (choice: a tenth, as in the list of distrust)."""
 
 
-def findings(
+def study_findings(
     figures: dict[str, Any], main: Sequence[Row], views: Sequence[Row], curves: Sequence[RoughnessCurve]
 ) -> str:
     """One paragraph. views: all rows, main: those under the first light of their case; figures: the study's summary."""

@@ -36,7 +36,7 @@ def part_pixels(row: Row) -> int:
     return row["part_pixels"]
 
 
-def share(rows: Iterable[Row], part: Counted, whole: Counted) -> float | None:
+def pooled_share(rows: Iterable[Row], part: Counted, whole: Counted) -> float | None:
     """Sum over the rows of the part over that of the whole; None where the whole is nothing."""
     rows = list(rows)
     return pooled(map(part, rows), map(whole, rows))
@@ -59,19 +59,19 @@ def column_sum(rows: Iterable[Row], column: str) -> float:
 
 def column_share(rows: Iterable[Row], part: str, whole: str) -> float | None:
     """Sum of one column over that of another; None where that is nothing."""
-    return share(rows, lambda row: row[part], lambda row: row[whole])
+    return pooled_share(rows, lambda row: row[part], lambda row: row[whole])
 
 
 def hole_share(rows: Iterable[Row]) -> float | None:
     """Share of the part without depth."""
-    return share(rows, holes, part_pixels)
+    return pooled_share(rows, holes, part_pixels)
 
 
 def false_share(rows: Iterable[Row]) -> float | None:
     """Share of the part with false depth."""
-    return share(rows, false_depth, part_pixels)
+    return pooled_share(rows, false_depth, part_pixels)
 
 
 def unusable_share(rows: Iterable[Row]) -> float | None:
     """Share of the part without depth or with false depth."""
-    return share(rows, lambda row: holes(row) + false_depth(row), part_pixels)
+    return pooled_share(rows, lambda row: holes(row) + false_depth(row), part_pixels)

@@ -10,7 +10,7 @@ from studies.base.case_folder import finished_case
 from studies.sensitivity.columns import INCIDENCE_COLUMNS, RECOVERY_VIEW_COLUMNS, VIEW_COLUMNS
 from studies.sensitivity.measurement import CASES, RESULT
 from studies.sensitivity.rules import pb_regained, precision, recall, regained
-from studies.sensitivity.shares import Row, column_share, false_depth, holes, part_pixels, share
+from studies.sensitivity.shares import Row, column_share, false_depth, holes, part_pixels, pooled_share
 from studies.store.tables import Column, write_rows
 
 TABLES: Mapping[str, Sequence[Column]] = {
@@ -34,7 +34,7 @@ class Tables:
         return getattr(self, name)
 
 
-def gather(out: Path, cases: Iterable[tuple[str, str]]) -> Tables:
+def gather_tables(out: Path, cases: Iterable[tuple[str, str]]) -> Tables:
     """Read the results of those cases, given by sweep and folder, that are finished."""
     rows: dict[str, list[Row]] = {name: [] for name in TABLES}
     for sweep, digest in cases:
@@ -63,7 +63,7 @@ def _once(tables: Tables) -> list[Row]:
     return list({(row["case"], row["lamps"], row["laser_mw"]): row for row in tables.views}.values())
 
 
-def summary(tables: Tables) -> dict[str, Any]:
+def study_summary(tables: Tables) -> dict[str, Any]:
     """The study's figures; shares are pooled over all cases, null where there is nothing to have a share of.
 
     Holes and false depth: of the part's pixels. Unexplained: of all pixels without depth. Detection: decimated pixels
@@ -75,8 +75,8 @@ def summary(tables: Tables) -> dict[str, Any]:
     return {
         "cases": len(main),
         "unexplained_share": column_share(once, "window_unexplained", "window_holes"),
-        "hole_share": share(main, holes, part_pixels),
-        "false_depth_share": share(main, false_depth, part_pixels),
+        "hole_share": pooled_share(main, holes, part_pixels),
+        "false_depth_share": pooled_share(main, false_depth, part_pixels),
         "detection_precision": precision(main),
         "detection_recall": recall(main),
         "recovered_share": regained(main),

@@ -20,7 +20,7 @@ LayerPair = tuple[RadianceLayers, RadianceLayers]
 
 
 @dataclass(frozen=True, eq=False)
-class LabelledView:
+class LitView:
     """A burst under one light."""
 
     light: Light
@@ -30,7 +30,7 @@ class LabelledView:
     labels: Labels
 
 
-def labelled_views(config: CaseConfig, twins: Path) -> Iterator[LabelledView]:
+def lit_views(config: CaseConfig, twins: Path) -> Iterator[LitView]:
     """The case under each light in turn. The pose is rendered anew only for lamps that stand elsewhere.
 
     twins: folder of the matte twins.
@@ -47,7 +47,7 @@ def labelled_views(config: CaseConfig, twins: Path) -> Iterator[LabelledView]:
         truth = truth or camera.truth(pose)
         measurement = camera.expose(pose, *layers, config.n_frames)
         labels = label_frame(camera, pose, measurement, stored_twin(twins, twin), truth)
-        yield LabelledView(light, camera, measurement, truth, labels)
+        yield LitView(light, camera, measurement, truth, labels)
 
 
 def _layers(camera: SimulatedD435i, pose: RigidTransform, first: LayerPair | None, scale: float | None) -> LayerPair:

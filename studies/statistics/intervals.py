@@ -22,7 +22,7 @@ LEVEL = 1 - CONFIDENCE
 """A difference is told from none when its p is no larger."""
 MOST_EXACT = 15
 """Runs up to which all 2^n signs are tried; beyond, 2^15 random ones."""
-SEED = 0
+RESAMPLING_SEED = 0
 """Of the resampling: the same runs give the same figures."""
 
 
@@ -68,7 +68,7 @@ def mean_interval(values: Sequence[float]) -> Interval:
 
 def resampled(n: int) -> Int[np.ndarray, "resamples n"]:
     """Which of n runs each bootstrap sample holds."""
-    return np.random.default_rng(SEED).integers(n, size=(RESAMPLES, n))
+    return np.random.default_rng(RESAMPLING_SEED).integers(n, size=(RESAMPLES, n))
 
 
 def bootstrap_ends(values: Float[np.ndarray, "resamples"], n: int) -> tuple[float, float]:
@@ -100,7 +100,7 @@ def sign_flip_p(differences: Sequence[float] | np.ndarray) -> float:
     if n <= MOST_EXACT:
         signs = 1.0 - 2.0 * ((np.arange(2**n)[:, None] >> np.arange(n)) & 1)
     else:
-        signs = np.random.default_rng(SEED).choice([-1.0, 1.0], size=(2**MOST_EXACT, n))
+        signs = np.random.default_rng(RESAMPLING_SEED).choice([-1.0, 1.0], size=(2**MOST_EXACT, n))
         signs[0] = 1.0  # the signs that were found are one of the choices
     sums = np.abs(signs @ d)
     return float(np.mean(sums >= np.abs(d.sum()) * (1 - 1e-12) - 1e-15))

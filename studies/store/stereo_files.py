@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float, UInt8, UInt16
 from materials.input_error import InputError
 from studies.store.images import MM, read_png
 
-SMALLEST = 32
+SMALLEST_SIDE_PX = 32
 """Sides below this leave nothing between the margins [px]; choice."""
 Y10_BITS = 10
 """Of the deepest infrared stream that a D400 gives (librealsense: Y10 and Y16 hold 10 bits)."""
@@ -45,8 +45,10 @@ def read_pair(left: Path, right: Path) -> tuple[UInt8[np.ndarray, "h w"], UInt8[
         raise InputError(f"{left}, {right}: the images are {sizes}; give a rectified pair of one size")
     if np.array_equal(images[0], images[1]):
         raise InputError(f"{left}, {right}: both images are the same; give the left and the right imager's")
-    if min(images[0].shape) < SMALLEST:
-        raise InputError(f"{left}: {_size(images[0])} is too small; give at least {SMALLEST}x{SMALLEST}")
+    if min(images[0].shape) < SMALLEST_SIDE_PX:
+        raise InputError(
+            f"{left}: {_size(images[0])} is too small; give at least {SMALLEST_SIDE_PX}x{SMALLEST_SIDE_PX}"
+        )
     deep = [image for image in images if image.dtype == np.uint16]
     if not deep:
         return images[0], images[1], ""

@@ -32,3 +32,8 @@ def write_rows(path: Path, columns: Sequence[Column], rows: Iterable[Mapping[str
     buffer = io.BytesIO()
     pq.write_table(pa.Table.from_pylist(rows, schema=schema), buffer)
     write_atomically(path, buffer.getvalue())
+
+
+def read_rows(path: Path) -> list[dict[str, Any]]:
+    """The rows in order."""
+    return pq.read_table(path).to_pylist()

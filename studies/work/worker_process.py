@@ -124,11 +124,11 @@ def _attempt(call: Callable[[], None]) -> Fault | None:
     try:
         call()
     except Exception as error:
-        return Fault(one_line(error), isinstance(error, FutileError))
+        return Fault(exception_line(error), isinstance(error, FutileError))
     return None
 
 
-def one_line(error: BaseException) -> str:
+def exception_line(error: BaseException) -> str:
     """An exception's type and message without line breaks; the message alone where it is for people."""
     return " ".join((str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {error}").split())
 

@@ -15,6 +15,7 @@ from render.imager.settings import WHITE_LEVEL
 from render.light.radiance import RadianceLayers, render_layers
 from render.light.sampling import Sampling
 from render.matcher.interface import Window
+from render.world.truth import looks_at_part
 from scenes.build import part_scene
 from tests.benchmarks.stopwatch import Stopwatch
 
@@ -31,7 +32,7 @@ def test_default_sampling_against_reference(stopwatch: Stopwatch):
     scene, pose = part_scene("D"), first_view(Parameters(), 0.0)
     camera = SimulatedD435i(scene)
     truth = camera.truth(pose)
-    part = np.isin(truth.body, [i for i, body in enumerate(scene.bodies) if body.is_part])
+    part = looks_at_part(truth, scene)
     near = cv2.dilate(part.astype(np.uint8), np.ones((2 * MARGIN_PX + 1,) * 2)) > 0
     default = camera.render(pose)
     shift = camera.rig.focal_baseline / truth.depth[part]

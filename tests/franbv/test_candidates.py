@@ -53,3 +53,19 @@ def test_first_view_stands_at_45_degrees(azimuth):
     assert np.linalg.norm(offset) == pytest.approx(0.2 + np.sqrt(0.1**2 + 0.1**2 + 0.06**2))
     assert np.degrees(np.arcsin(offset[2] / np.linalg.norm(offset))) == pytest.approx(45.0)
     assert np.degrees(np.arctan2(offset[1], offset[0])) % 360 == pytest.approx(azimuth)
+
+
+def test_poses_carry_the_roll():
+    """Turned by phi clockwise about its own axis a camera looks the same way from the same place; its x axis has turned
+    towards its old y axis: x cos phi + y sin phi. At 90 deg the image's left border looks up."""
+    phi = np.radians(35.0)
+    for roll, cosine, sine in ((35.0, np.cos(phi), np.sin(phi)), (90.0, 0.0, 1.0)):
+        turned = Parameters(roll_deg=roll)
+        pairs = [*zip(candidate_poses(BOX, PARAMETERS, 0.3), candidate_poses(BOX, turned, 0.3), strict=True)]
+        pairs.append((first_view(PARAMETERS, 20.0), first_view(turned, 20.0)))
+        for upright, rolled in pairs:
+            x, y, z = upright.rotation.as_matrix().T
+            np.testing.assert_allclose(rolled.translation, upright.translation)
+            np.testing.assert_allclose(rolled.rotation.as_matrix()[:, 2], z, atol=1e-12)
+            np.testing.assert_allclose(rolled.rotation.as_matrix()[:, 0], cosine * x + sine * y, atol=1e-12)
+    assert -rolled.rotation.as_matrix()[2, 0] > 0

@@ -274,3 +274,17 @@ def test_voxels_of_a_sheet(normal):
     sheet = OrientedBox(np.zeros(3), np.column_stack([t1, t2, n]), np.array([side / 2, side / 2, 0.5]) * SIZE)
     few_columns = 0.01
     assert sheet_voxels(sheet, SIZE) == pytest.approx(entered, rel=few_columns)
+
+
+def test_recovery_poses_carry_the_roll():
+    """On end, the poses stand and look as upright ones do, with their x axes where those have their y axes; as near as
+    Min-Z allows, since that does not depend on the roll."""
+    seen = look_at(CENTRE + np.array([0.3, 0.0, 0.1]), CENTRE)
+    upright, turned = (
+        diamond_poses(plate(0), seen, Parameters(roll_deg=roll), always, 0.2).poses for roll in (0.0, 90.0)
+    )
+    assert len(upright) == len(turned) > 0
+    for T, R in zip(upright, turned, strict=True):
+        np.testing.assert_allclose(R.translation, T.translation)
+        np.testing.assert_allclose(R.rotation.as_matrix()[:, 0], T.rotation.as_matrix()[:, 1], atol=1e-12)
+        np.testing.assert_allclose(R.rotation.as_matrix()[:, 2], T.rotation.as_matrix()[:, 2], atol=1e-12)

@@ -44,7 +44,7 @@ HOLE = np.int16(-12000)
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What the streaming core found, as 16-bit planes."""
+    """What the streaming core found, as 16-bit planes; lane d is a disparity of d more than the search's start [px]."""
 
     left: Int16[np.ndarray, "9 h w"]
     """Per left pixel: winning lane; rise of the path sums to the second peak; rise of the path sums to the lane below

@@ -20,7 +20,11 @@ PATHS = 5
 
 @dataclass(frozen=True)
 class D4Settings:
-    """Everything that changes what the D4-like matcher finds. Intensities are in 10-bit units, four times Y8."""
+    """Everything that changes what the D4-like matcher finds. Intensities are in 10-bit units, four times Y8.
+
+    Costs are in the units of P1 and P2; the head of the module tells *preset*, *scaled* and *fitted* apart. Numbers are
+    not checked here: `render.matcher.d400_preset` checks what comes from files.
+    """
 
     arm_reach_u: int = 8
     """Longest arm of the support cross to the left and right [px]; fitted."""

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from typing import Any
 
-from studies.comparison.links import LINKS, PLANNERS, arm_name
+from studies.comparison.links import LINKED_PLANNERS, LINKS, arm_name
 from studies.comparison.statistics import Comparison
-from studies.drawing.cells import POINTS, change, mean
+from studies.drawing.cells import POINTS, mean, signed
 from studies.run.ablation import ABLATIONS
 
 
@@ -26,10 +26,10 @@ def ablation_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[str
                         "words": words,
                         "planner": planner,
                         "pairs": difference.interval.count,
-                        "coverage": change(difference),
-                        "filtered": change(found["filtered_coverage_5mm"]),
-                        "acquisitions": change(found["acquisitions"], 1.0),
-                        "activations": change(found["recovery_activations"], 1.0),
+                        "coverage": signed(difference),
+                        "filtered": signed(found["filtered_coverage_5mm"]),
+                        "acquisitions": signed(found["acquisitions"], 1.0),
+                        "activations": signed(found["recovery_activations"], 1.0),
                     }
                 )
     return rows
@@ -56,9 +56,9 @@ def variant_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[str,
                 "best": name == best,
                 "pairs": len(shared.pairs(part, "fra", name)),
                 "covers": mean(interval, POINTS, ".1f"),
-                "end": change(shared.difference(part, "fra", name)),
-                "acquisitions": change(shared.difference(part, "fra", name, "acquisitions")),
-                "filtered": change(shared.difference(part, "fra", name, "end", "filtered")),
+                "end": signed(shared.difference(part, "fra", name)),
+                "acquisitions": signed(shared.difference(part, "fra", name, "acquisitions")),
+                "filtered": signed(shared.difference(part, "fra", name, "end", "filtered")),
             }
             for name, interval in found.items()
         ]
@@ -76,22 +76,24 @@ def changed_link_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict
         }
         starts = {run.run for arms in changed.values() for arm in arms for run in comparison.runs(part, arm)}
         shared = comparison.of_starts(starts)
-        for words, arms in [("nothing changed", PLANNERS), *changed.items()] if changed else []:
+        for words, arms in [("nothing changed", LINKED_PLANNERS), *changed.items()] if changed else []:
             fra, pb = arms
             end = shared.difference(part, fra, pb)
             rows.append(
                 {
                     "part": part,
-                    "first": arms == PLANNERS,
+                    "first": arms == LINKED_PLANNERS,
                     "words": words,
                     "pairs": end.interval.count if end else 0,
                     "fra": mean(shared.figure(part, fra, "coverage_5mm"), POINTS, ".1f"),
                     "pb": mean(shared.figure(part, pb, "coverage_5mm"), POINTS, ".1f"),
                     "fra_filtered": mean(shared.figure(part, fra, "filtered_coverage_5mm"), POINTS, ".1f"),
                     "pb_filtered": mean(shared.figure(part, pb, "filtered_coverage_5mm"), POINTS, ".1f"),
-                    "end": change(end),
-                    "change": "" if arms == PLANNERS else change(shared.change_of_lead(part, (fra, pb), PLANNERS)),
-                    "acquisitions": change(shared.difference(part, fra, pb, "acquisitions")),
+                    "end": signed(end),
+                    "change": ""
+                    if arms == LINKED_PLANNERS
+                    else signed(shared.change_of_lead(part, (fra, pb), LINKED_PLANNERS)),
+                    "acquisitions": signed(shared.difference(part, fra, pb, "acquisitions")),
                     "activations": mean(shared.figure(part, fra, "recovery_activations"), 1.0, ".1f"),
                     "contribution": mean(shared.figure(part, fra, "recovery_share"), POINTS, ".0f"),
                 }

@@ -7,25 +7,29 @@ import numpy as np
 from markupsafe import Markup
 
 from studies.comparison.statistics import Comparison
-from studies.comparison.view_increments import BIN, FEWEST, binned_increments
+from studies.comparison.view_increments import BIN, FEWEST_VIEWS, binned_increments
 from studies.drawing import svg
 from studies.run.acquisition_table import NBV, RECOVERY
 
-WIDTH, HEIGHT = 1160, 312
-LEFT, RIGHT, TOP, BOTTOM = 38, 14, 46, 240
+INCREMENTS_PLOT = svg.Plot(width=1160, height=312, left=38, right=14, top=46, bottom=240)
 """Margins left and right of each panel, its upper and lower edge [px]."""
 LEAST_AXIS = 10.0
 """Shortest axis [points]; it grows in steps of as many with what the views that are drawn add."""
-GROUPS = (("pb", NBV, "pb", "PB views"), ("fra", RECOVERY, "fra", "FRA recovery views"))
+VIEW_GROUPS = (("pb", NBV, "pb", "PB views"), ("fra", RECOVERY, "fra", "FRA recovery views"))
 """Arm, kind of view, class, words."""
 
 
 def increments_figure(comparison: Comparison, parts: Sequence[str], words: dict[str, str]) -> Markup:
     """A panel per part, a pair of boxes per range of prior coverage; too few views are marked by an x."""
-    width = WIDTH / max(len(parts), 1)
+    width = INCREMENTS_PLOT.width / max(len(parts), 1)
     most = axis_end(comparison, parts)
     panels = [_panel(comparison, part, k * width, width, words[part], most) for k, part in enumerate(parts)]
-    return svg.figure(WIDTH, HEIGHT, "Coverage added by a view against the coverage before it", *panels)
+    return svg.figure(
+        INCREMENTS_PLOT.width,
+        INCREMENTS_PLOT.height,
+        "Coverage added by a view against the coverage before it",
+        *panels,
+    )
 
 
 @dataclass(frozen=True)
@@ -52,37 +56,37 @@ def axis_end(comparison: Comparison, parts: Sequence[str]) -> float:
     drawn = [
         _box_of(values).high
         for part in parts
-        for arm, kind, _, _ in GROUPS
+        for arm, kind, _, _ in VIEW_GROUPS
         for values in binned_increments(comparison, part, arm, kind)
-        if len(values) >= FEWEST
+        if len(values) >= FEWEST_VIEWS
     ]
     return LEAST_AXIS * max(1, int(np.ceil(max(drawn, default=0.0) / LEAST_AXIS - 1e-9)))
 
 
 def _panel(comparison: Comparison, part: str, left: float, width: float, title: str, most: float) -> Markup:
-    x = svg.Scale(0, 100, left + LEFT, left + width - RIGHT)
-    y = svg.Scale(0, most, BOTTOM, TOP)
+    x = svg.Scale(0, 100, left + INCREMENTS_PLOT.left, left + width - INCREMENTS_PLOT.right)
+    y = svg.Scale(0, most, INCREMENTS_PLOT.bottom, INCREMENTS_PLOT.top)
     share = 100 * BIN
     boxes = [
         _box(
             values, x((k + 0.3 + 0.4 * side) * share), 0.28 * (x(share) - x(0)), y, klass, f"{name}, {k * share:.0f} %"
         )
-        for side, (arm, kind, klass, name) in enumerate(GROUPS)
+        for side, (arm, kind, klass, name) in enumerate(VIEW_GROUPS)
         for k, values in enumerate(binned_increments(comparison, part, arm, kind))
     ]
     return svg.join(
-        svg.text(left + LEFT, 16, title, "axis-label strong"),
-        svg.text(left + LEFT, 33, "added by the view [points]", "tick-label"),
-        svg.left_axis(y, left + LEFT, left + width - RIGHT, y.ticks(5)),
-        svg.bottom_axis(x, BOTTOM, "coverage before the view [%]", [0, 20, 40, 60, 80, 100]),
+        svg.text(left + INCREMENTS_PLOT.left, 16, title, "axis-label strong"),
+        svg.text(left + INCREMENTS_PLOT.left, 33, "added by the view [points]", "tick-label"),
+        svg.left_axis(y, left + INCREMENTS_PLOT.left, left + width - INCREMENTS_PLOT.right, y.ticks(5)),
+        svg.bottom_axis(x, INCREMENTS_PLOT.bottom, "coverage before the view [%]", [0, 20, 40, 60, 80, 100]),
         *boxes,
     )
 
 
 def _box(values: list[float], middle: float, width: float, y: svg.Scale, klass: str, name: str) -> Markup:
     """A box, or a cross for too few views, with the number of views below the axis."""
-    count = svg.text(middle, BOTTOM + 58, len(values), f"count {klass}") if values else Markup("")
-    if len(values) < FEWEST:
+    count = svg.text(middle, INCREMENTS_PLOT.bottom + 58, len(values), f"count {klass}") if values else Markup("")
+    if len(values) < FEWEST_VIEWS:
         mark = svg.join(svg.text(middle, y(0) - 4, "×", "tick-label mid"), count)
         return svg.marked(mark, f"{name} and above: {len(values)} views, too few")
     box = _box_of(values)

@@ -6,7 +6,7 @@ from typing import Any
 
 from studies.base.atomic_file import write_atomically
 from studies.comparison.goals import activations_rise
-from studies.comparison.paper_results import findings
+from studies.comparison.paper_results import paper_findings
 from studies.comparison.planning_speed import stored_speed
 from studies.comparison.preset import ComparisonPreset
 from studies.comparison.report.change_tables import ablation_rows, changed_link_rows, variant_rows
@@ -71,7 +71,7 @@ def comparison_html(
             words=words,
             short=short,
             arms=arms,
-            findings=[(finding, VERDICTS.get(finding.verdict, "missing")) for finding in findings(comparison)],
+            findings=[(finding, VERDICTS.get(finding.verdict, "missing")) for finding in paper_findings(comparison)],
             goals=goal_rows(comparison),
             activations=activations_rise(comparison),
             by_iterations=planner_curves_figure(comparison, parts, arms, "iterations", short),

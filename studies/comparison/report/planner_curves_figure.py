@@ -11,8 +11,7 @@ from studies.comparison.records import Record
 from studies.comparison.statistics import Comparison
 from studies.drawing import svg
 
-WIDTH, HEIGHT = 1160, 300
-LEFT, RIGHT, TOP, BOTTOM = 38, 14, 46, 250
+CURVES_PLOT = svg.Plot(width=1160, height=300, left=38, right=14, top=46, bottom=250)
 """Margins left and right of each panel, its upper and lower edge [px]."""
 
 Along = Literal["iterations", "acquisitions"]
@@ -26,9 +25,9 @@ def planner_curves_figure(
 
     words: what to call each part.
     """
-    width = WIDTH / max(len(parts), 1)
+    width = CURVES_PLOT.width / max(len(parts), 1)
     panels = [_panel(comparison, part, arms, along, k * width, width, words[part]) for k, part in enumerate(parts)]
-    return svg.figure(WIDTH, HEIGHT, f"Coverage against {NAMES[along].lower()}", *panels)
+    return svg.figure(CURVES_PLOT.width, CURVES_PLOT.height, f"Coverage against {NAMES[along].lower()}", *panels)
 
 
 def held(curves: Sequence[Float[np.ndarray, "_"]], length: int) -> Float[np.ndarray, "runs length"]:
@@ -62,14 +61,14 @@ def _panel(
         for filtered in (False, True)
     }
     first = 0 if along == "iterations" else 1
-    x = svg.Scale(first, max(first + longest - 1, first + 1), left + LEFT, left + width - RIGHT)
-    y = svg.Scale(0, 100, BOTTOM, TOP)
+    x = svg.Scale(first, max(first + longest - 1, first + 1), left + CURVES_PLOT.left, left + width - CURVES_PLOT.right)
+    y = svg.Scale(0, 100, CURVES_PLOT.bottom, CURVES_PLOT.top)
     ticks = [t for t in x.ticks(5) if t == int(t)]
     return svg.join(
-        svg.text(left + LEFT, 16, title, "axis-label strong"),
-        svg.text(left + LEFT, 33, "surface within 5 mm [%]", "tick-label"),
-        svg.left_axis(y, left + LEFT, left + width - RIGHT, [0, 20, 40, 60, 80, 100]),
-        svg.bottom_axis(x, BOTTOM, NAMES[along], ticks),
+        svg.text(left + CURVES_PLOT.left, 16, title, "axis-label strong"),
+        svg.text(left + CURVES_PLOT.left, 33, "surface within 5 mm [%]", "tick-label"),
+        svg.left_axis(y, left + CURVES_PLOT.left, left + width - CURVES_PLOT.right, [0, 20, 40, 60, 80, 100]),
+        svg.bottom_axis(x, CURVES_PLOT.bottom, NAMES[along], ticks),
         *(_band(arm, values, first, x, y) for (arm, filtered), values in curves.items() if not filtered),
         *(_line(arm, filtered, values, first, x, y) for (arm, filtered), values in curves.items()),
     )

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from studies.base.numbers_as_text import counted, percent
-from studies.comparison.links import LINKS, PLANNERS, arm_name
+from studies.comparison.links import LINKED_PLANNERS, LINKS, arm_name
 from studies.comparison.paper_numbers import FRA_LESS_PB_ON_D
 from studies.comparison.paper_results import points
 from studies.comparison.statistics import Comparison
@@ -112,8 +112,8 @@ def _ablated(comparison: Comparison, part: str) -> Iterator[_Change]:
 
 def _linked(comparison: Comparison, part: str) -> Iterator[_Change]:
     for name, link in LINKS.items():
-        fra, pb = (arm_name(planner, name) for planner in PLANNERS)
-        lead = comparison.change_of_lead(part, (fra, pb), PLANNERS)
+        fra, pb = (arm_name(planner, name) for planner in LINKED_PLANNERS)
+        lead = comparison.change_of_lead(part, (fra, pb), LINKED_PLANNERS)
         if lead:
             yield _Change(link.words, "lead of FRA over PB", lead, points(lead))
         yield from _activations(comparison, part, link.words, fra, "fra")

@@ -9,8 +9,7 @@ from markupsafe import Markup
 from studies.comparison.planning_speed import decision_s
 from studies.drawing import svg
 
-WIDTH, HEIGHT = 1160, 300
-LEFT, RIGHT, TOP, BOTTOM = 52, 30, 46, 250
+SPEED_PLOT = svg.Plot(width=1160, height=300, left=52, right=30, top=46, bottom=250)
 """Margins left and right of each panel, its upper and lower edge [px]."""
 PANELS = (
     ("voxels", "Voxels along an edge", "map_voxels", "voxels"),
@@ -19,33 +18,38 @@ PANELS = (
 )
 """Axis of the measurement, its name, the size that it changes, that size in words."""
 
-Rows = Sequence[Mapping[str, Any]]
+SpeedRows = Sequence[Mapping[str, Any]]
 
 
-def speed_figure(rows: Rows) -> Markup:
+def speed_figure(rows: SpeedRows) -> Markup:
     """A panel per axis: a whole decision as a solid line, the scoring of the candidates as a dashed one."""
     times = [seconds for row in rows for seconds in (decision_s(row), row["score"])]
     low, high = np.floor(np.log10(min(times))), np.ceil(np.log10(max(times)))
-    width = WIDTH / len(PANELS)
+    width = SPEED_PLOT.width / len(PANELS)
     panels = [_panel(rows, *panel, k * width, width, low, high) for k, panel in enumerate(PANELS)]
-    return svg.figure(WIDTH, HEIGHT, "Planning time of PB and RE", *panels)
+    return svg.figure(SPEED_PLOT.width, SPEED_PLOT.height, "Planning time of PB and RE", *panels)
 
 
 def _panel(
-    rows: Rows, axis: str, name: str, size: str, unit: str, left: float, width: float, low: float, high: float
+    rows: SpeedRows, axis: str, name: str, size: str, unit: str, left: float, width: float, low: float, high: float
 ) -> Markup:
     here = [row for row in rows if row["axis"] == axis]
     sizes = {row[size]: row["size"] if axis == "voxels" else row[size] for row in here}
-    x = svg.Scale(float(np.log10(min(sizes))), float(np.log10(max(sizes))), left + LEFT, left + width - RIGHT)
-    y = svg.Scale(float(low), float(high), BOTTOM, TOP)
+    x = svg.Scale(
+        float(np.log10(min(sizes))),
+        float(np.log10(max(sizes))),
+        left + SPEED_PLOT.left,
+        left + width - SPEED_PLOT.right,
+    )
+    y = svg.Scale(float(low), float(high), SPEED_PLOT.bottom, SPEED_PLOT.top)
     lines = []
     for planner in ("pb", "re"):
         own = sorted((row for row in here if row["planner"] == planner), key=lambda row: row[size])
         for dashed, seconds in ((False, [decision_s(row) for row in own]), (True, [row["score"] for row in own])):
             lines += _line(planner, dashed, [row[size] for row in own], seconds, unit, x, y)
     return svg.join(
-        svg.text(left + LEFT, 16, name, "axis-label strong"),
-        svg.text(left + LEFT, 33, "seconds", "tick-label"),
+        svg.text(left + SPEED_PLOT.left, 16, name, "axis-label strong"),
+        svg.text(left + SPEED_PLOT.left, 33, "seconds", "tick-label"),
         _decades(y, left, width, int(low), int(high)),
         *(_size_tick(x, value, words) for value, words in sizes.items()),
         *lines,
@@ -53,7 +57,7 @@ def _panel(
 
 
 def _decades(y: svg.Scale, left: float, width: float, low: int, high: int) -> Markup:
-    start, end = left + LEFT, left + width - RIGHT
+    start, end = left + SPEED_PLOT.left, left + width - SPEED_PLOT.right
     rows = [
         svg.join(
             svg.line(start, y(decade), end, y(decade), "grid"),
@@ -66,8 +70,8 @@ def _decades(y: svg.Scale, left: float, width: float, low: int, high: int) -> Ma
 
 def _size_tick(x: svg.Scale, value: int, words: int) -> Markup:
     place = x(float(np.log10(value)))
-    tick = svg.line(place, BOTTOM, place, BOTTOM + 5, "tick")
-    return svg.join(tick, svg.text(place, BOTTOM + 19, f"{words:,}", "tick-label mid"))
+    tick = svg.line(place, SPEED_PLOT.bottom, place, SPEED_PLOT.bottom + 5, "tick")
+    return svg.join(tick, svg.text(place, SPEED_PLOT.bottom + 19, f"{words:,}", "tick-label mid"))
 
 
 def _line(

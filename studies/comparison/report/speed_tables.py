@@ -13,7 +13,7 @@ AXES = {"voxels": "map", "candidates": "candidates", "pixels": "depth image"}
 def speed_section(speed: Mapping[str, Any]) -> dict[str, Any]:
     """What the page shows of a measurement."""
     return {
-        "goals": goal_rows(speed),
+        "goals": speed_goal_rows(speed),
         "words": speed_words(speed),
         "figure": speed_figure(speed["rows"]),
         "rows": speed_rows(speed),
@@ -21,7 +21,7 @@ def speed_section(speed: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def goal_rows(speed: Mapping[str, Any]) -> list[dict[str, Any]]:
+def speed_goal_rows(speed: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Each goal with what was measured, and whether it holds."""
     plain, pb = (speed["goals"][key] for key in ("re_times_faster_than_plain_loop", "pb_decision_s"))
     differs = max(row["relative_difference"] for row in speed["plain"])

@@ -9,19 +9,19 @@ from studies.comparison.goals import ATS, CLOUDS, GOALS, judge
 from studies.comparison.paper_numbers import ITERATION_S, paper_ratio
 from studies.comparison.statistics import Comparison
 from studies.comparison.verdicts import adjusted_p
-from studies.drawing.cells import NONE, POINTS, change, mean, probability, seconds, spread, with_range
+from studies.drawing.cells import NO_NUMBER, POINTS, mean, mean_and_range, probability, seconds, signed, with_range
 
 ARM_CELLS = {
-    "coverage": (spread, "coverage_5mm", POINTS, ".1f"),
-    "filtered": (spread, "filtered_coverage_5mm", POINTS, ".1f"),
+    "coverage": (mean_and_range, "coverage_5mm", POINTS, ".1f"),
+    "filtered": (mean_and_range, "filtered_coverage_5mm", POINTS, ".1f"),
     "accuracy": (mean, "accuracy_mm", 1.0, ".1f"),
     "f_score": (mean, "f_score", 1.0, ".2f"),
     "wrongly_free": (mean, "wrongly_free_share", POINTS, ".0f"),
     "wrongly_occupied": (mean, "wrongly_occupied_share", POINTS, ".0f"),
     "acquisitions": (mean, "acquisitions", 1.0, ".1f"),
     "iterations": (mean, "nbv_iterations", 1.0, ".1f"),
-    "activations": (spread, "recovery_activations", 1.0, ".1f"),
-    "contribution": (spread, "recovery_share", POINTS, ".0f"),
+    "activations": (mean_and_range, "recovery_activations", 1.0, ".1f"),
+    "contribution": (mean_and_range, "recovery_share", POINTS, ".0f"),
 }
 """How each figure is written, what it is called in the summaries, its scale and digits."""
 OF_RECOVERY = ("activations", "contribution")
@@ -40,7 +40,7 @@ def arm_rows(comparison: Comparison, parts: Sequence[str], arms: Sequence[str]) 
                 cell: write(comparison.figure(part, arm, name), scale, form)
                 for cell, (write, name, scale, form) in ARM_CELLS.items()
             },
-            **({} if arm == "fra" else dict.fromkeys(OF_RECOVERY, NONE)),
+            **({} if arm == "fra" else dict.fromkeys(OF_RECOVERY, NO_NUMBER)),
         }
         for part in parts
         for arm in arms
@@ -65,7 +65,7 @@ def difference_rows(comparison: Comparison, parts: Sequence[str], baselines: Seq
                         "p": probability(end.p),
                         "adjusted": probability(adjusted.get((part, baseline))),
                         **{
-                            f"{at}_{cloud}": change(comparison.difference(part, "fra", baseline, at, cloud))
+                            f"{at}_{cloud}": signed(comparison.difference(part, "fra", baseline, at, cloud))
                             for at in ATS
                             for cloud in CLOUDS
                         },
@@ -79,7 +79,7 @@ def goal_rows(comparison: Comparison) -> list[dict[str, Any]]:
     rows = []
     for goal in GOALS:
         judged = judge(comparison, goal)
-        cells = [{"value": spread(j.interval, POINTS, "+z.1f"), "holds": j.holds} for j in judged]
+        cells = [{"value": mean_and_range(j.interval, POINTS, "+z.1f"), "holds": j.holds} for j in judged]
         if cells:
             rows.append({"words": goal.words, "cells": cells})
     return rows
@@ -103,7 +103,7 @@ def time_rows(comparison: Comparison, parts: Sequence[str], arms: Sequence[str])
                     "total": seconds(total),
                     **{s: seconds(comparison.iteration_time(part, arm, s)) for s in ("planning", "motion", "exposure")},
                     "single": seconds(comparison.single_iteration_time(part, arm)),
-                    "paper": with_range(theirs[1], theirs[0], theirs[2], ".2f") if theirs else NONE,
+                    "paper": with_range(theirs[1], theirs[0], theirs[2], ".2f") if theirs else NO_NUMBER,
                 }
             )
     return rows

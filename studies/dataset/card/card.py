@@ -8,9 +8,9 @@ from render.world.rig import CAMERA_MODELS
 from studies.base.atomic_file import write_atomically
 from studies.dataset.card.card_tables import (
     bars,
-    counted,
     coverage,
     factor_block,
+    grouped,
     hole_share_histogram,
     incidence_histogram,
     label_table,
@@ -20,14 +20,14 @@ from studies.dataset.card.card_tables import (
 )  # fmt: skip
 from studies.dataset.card.factors import factors
 from studies.dataset.config import Camera
-from studies.dataset.format.finished_scenes import Gathered, gather
+from studies.dataset.format.finished_scenes import Gathered, gather_scenes
 from studies.dataset.format.folders import CARD, DATASET, INDEX, MANIFEST, SCENE, SPLIT
 from studies.store.images import MM
 
 
 def write_card(root: Path) -> None:
     """(Re)build the card."""
-    write_atomically(root / CARD, card(gather(root)).encode())
+    write_atomically(root / CARD, card(gather_scenes(root)).encode())
 
 
 def card(data: Gathered) -> str:
@@ -65,7 +65,7 @@ def _lead(data: Gathered) -> str:
     n = data.config.n_frames
     frames = "one depth frame a view" if n == 1 else f"the median of {n} depth frames a view"
     return (
-        f"{counted(data.views, 'rendered views')} of {counted(len(data.draws), 'scenes')}, {frames}: infrared pair, "
+        f"{grouped(data.views, 'rendered views')} of {grouped(len(data.draws), 'scenes')}, {frames}: infrared pair, "
         "depth with its holes, the cause of every hole, false depth, and the truth behind every pixel. The camera is a "
         f"simulated {CAMERA_MODELS[data.config.camera.model].title}; light is traced at 850 nm from measured optical "
         "constants. Nothing was photographed. Caustics are not rendered, metals have no wear or dirt, and parts in "

@@ -10,7 +10,7 @@ from studies.dataset.format.finished_scenes import Gathered
 from studies.dataset.format.layers import MASKS, layers
 from studies.dataset.format.statistics import BIN_DEG, FALSE_DEPTH
 
-BAR = 40
+LONGEST_BAR = 40
 """Characters of the longest bar."""
 ANGLES = ((0, 3), (3, 6), (6, 9))
 """Bins of incidence that the table of materials takes together."""
@@ -107,7 +107,7 @@ def coverage(found: list[Factor], left_out: int) -> str:
     if lines:
         text = "Not everything that was declared was drawn:\n\n" + "\n".join(lines)
     if left_out:
-        text += f"\n\nLeft out because no free place was found: {counted(left_out, 'things')}, objects or clutter."
+        text += f"\n\nLeft out because no free place was found: {grouped(left_out, 'things')}, objects or clutter."
     return text
 
 
@@ -126,11 +126,11 @@ def _bar_lines(levels: Mapping[str, int], of: str, declared: Mapping[str, float]
     wide = max(map(len, levels), default=0)
     for level, count in levels.items():
         asked = f"  declared {100 * declared[level]:5.1f} %" if level in declared else ""
-        bar = "#" * round(BAR * count / most)
-        yield f"{level:<{wide}}  {bar:<{BAR}}  {counted(count, of):>18}  {100 * count / whole:5.1f} %{asked}"
+        bar = "#" * round(LONGEST_BAR * count / most)
+        yield f"{level:<{wide}}  {bar:<{LONGEST_BAR}}  {grouped(count, of):>18}  {100 * count / whole:5.1f} %{asked}"
 
 
-def counted(number: int, of: str) -> str:
+def grouped(number: int, of: str) -> str:
     """1 view, 2 views."""
     return f"{number:,} {of.removesuffix('s') if number == 1 else of}"
 

@@ -13,14 +13,13 @@ import tyro
 from materials.input_error import InputError
 from studies.base.console import progress_bar, say, say_json
 from studies.base.flags import parse
-from studies.base.single_case import versions
 from studies.dataset.card.card import card
 from studies.dataset.check.draw import Pool
 from studies.dataset.check.head import camera_problems, model_problems, stray_problems, table_problems
 from studies.dataset.check.scene import UNREADABLE, SceneCheck, check_scene
 from studies.dataset.config import DatasetConfig, load_dataset_config
 from studies.dataset.draw.objects import object_pool
-from studies.dataset.format.finished_scenes import gather
+from studies.dataset.format.finished_scenes import gather_scenes
 from studies.dataset.format.folders import (
     CAMERA,
     CARD,
@@ -36,11 +35,11 @@ from studies.dataset.format.folders import (
 )  # fmt: skip
 from studies.dataset.format.index import derived_index, scene_folders
 from studies.dataset.make.manifest import dataset_digest, input_digests
-from studies.dataset.make.resume import difference
+from studies.work.maker import unlikeness, versions
 from studies.work.workers import usable_processors
 
-PROGRAM = "franbv dataset check"
-HELP = "Verify hashes, label algebra, ranges, intrinsics, poses and units of a dataset. Exit status 1 on any problem."
+_PROGRAM = "franbv dataset check"
+_HELP = "Verify hashes, label algebra, ranges, intrinsics, poses and units of a dataset. Exit status 1 on any problem."
 
 
 SPOILT_SCENE = re.compile(rf"({SPLIT}/[0-9]{{6}})(/|:)")
@@ -73,7 +72,7 @@ class CheckCommand:
 
 def run(args: list[str]) -> int:
     """Check and print."""
-    command = parse(CheckCommand, args, PROGRAM, HELP)
+    command = parse(CheckCommand, args, _PROGRAM, _HELP)
     root, pool = existing_dataset(command.dir).resolve(), None
     if command.config is not None:
         pool = pool_of(root, load_dataset_config(command.config))
@@ -95,7 +94,7 @@ def other_version(root: Path) -> str | None:
     """In what the first scene's maker differs from what runs here, in words; None if in nothing, or it does not say."""
     try:
         made = read_json(root / SPLIT / scene_folders(root)[0] / MANIFEST)
-        return difference({"renderer": "", "versions": made["versions"]}, {"renderer": "", "versions": versions()})
+        return unlikeness(made["versions"], versions())
     except UNREADABLE:
         return None
 
@@ -106,7 +105,7 @@ def pool_of(root: Path, config: DatasetConfig) -> Pool:
         top = read_json(root / DATASET)
         same = top["digest"] == dataset_digest(config.model_copy(update={"views": top["config"]["views"]}))
     except UNREADABLE:
-        same = True  # what is wrong with the dataset is the check's to say
+        return object_pool(config)  # what is wrong with the dataset is the check's to say
     if not same:
         raise InputError(f"{root}: was not made from this configuration; give the one that it was made from")
     pool = object_pool(config)
@@ -132,7 +131,7 @@ def dataset_problems(root: Path, pool: Pool | None = None) -> tuple[int, list[st
         digest, objects = str(top["digest"]), list(top["objects"])
         pool = pool or (None if config.objects.cad else object_pool(config))
     except UNREADABLE as error:
-        return 0, [line(f"{DATASET}: cannot be read ({type(error).__name__}: {error})")]
+        return 0, [bounded_line(f"{DATASET}: cannot be read ({type(error).__name__}: {error})")]
     problems = head_problems(root, top, config, pool)
     there = set(scene_folders(root))
     wanted = [number for number in range(config.scenes) if scene_name(number) in there]
@@ -147,7 +146,7 @@ def dataset_problems(root: Path, pool: Pool | None = None) -> tuple[int, list[st
     if len(makers) > 1:
         problems.append(f"{SPLIT}: scenes were made by different renderers or versions: {' and '.join(sorted(makers))}")
     problems += derived_problems(root, sorted(there))
-    return sum(check.views for check in checks), [line(problem) for problem in problems]
+    return sum(check.views for check in checks), [bounded_line(problem) for problem in problems]
 
 
 def missing_scenes(names: list[str]) -> list[str]:
@@ -172,7 +171,7 @@ def head_problems(root: Path, top: dict[str, Any], config: DatasetConfig, pool: 
     return problems
 
 
-def line(text: str) -> str:
+def bounded_line(text: str) -> str:
     """On one line of bounded length, without what a terminal would obey: names and values come from the files."""
     words = " ".join("".join(c if c.isprintable() else " " for c in text[: 2 * LONGEST_LINE]).split())
     return words if len(words) <= LONGEST_LINE else words[: LONGEST_LINE - 4] + " ..."
@@ -197,7 +196,7 @@ def derived_problems(root: Path, scenes: list[str]) -> Iterator[str]:
     """Index and card are what the scenes make them."""
     for name, derive in (
         (INDEX, lambda: derived_index(root, scenes)),
-        (CARD, lambda: card(gather(root)).encode()),
+        (CARD, lambda: card(gather_scenes(root)).encode()),
     ):
         try:
             if bounded_bytes(root / name) != derive():

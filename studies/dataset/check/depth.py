@@ -11,7 +11,7 @@ from render.depth.decimation import decimate, pixel_blocks
 from render.labels.labels import most_frequent_cause
 from render.matcher.interface import StereoMatcher
 from render.world.rig import Rig
-from studies.dataset.check.images import LEAST_AGREEMENT, Fault, Images, false_limit
+from studies.dataset.check.images import MOST_MEDIAN_ERROR, Images, LayerFault, false_limit
 from studies.dataset.format.layers import decoded_layer
 from studies.store.images import millimetres
 
@@ -23,7 +23,7 @@ Frames = UInt16[np.ndarray, "n h w"]
 
 def pair_faults(
     images: Images, frames: Frames | None, n_frames: int, matcher: StereoMatcher, rig: Rig
-) -> Iterator[Fault]:
+) -> Iterator[LayerFault]:
     """The infrared pair, matched again, gives the view's first frame.
 
     frames: single depth frames [mm]; None where they are not kept. Then a pixel without depth in all frames, or in
@@ -40,7 +40,7 @@ def pair_faults(
         yield "gray", f"matched with gray_right it gives another depth at {np.count_nonzero(differ)} pixels"
 
 
-def frame_faults(images: Images, frames: Frames) -> Iterator[Fault]:
+def frame_faults(images: Images, frames: Frames) -> Iterator[LayerFault]:
     """Depth is the median of the frames, and as many are missing as have none. frames: [mm]."""
     if np.any(millimetres(median_depth(metres_from_z16(frames))) != images["depth"]):
         yield "depth", "is not the median of the frames"
@@ -48,7 +48,7 @@ def frame_faults(images: Images, frames: Frames) -> Iterator[Fault]:
         yield "missing_frames", "is not what the frames show"
 
 
-def decimation_faults(images: Images, frames: Frames | None, factor: int, rig: Rig) -> Iterator[Fault]:
+def decimation_faults(images: Images, frames: Frames | None, factor: int, rig: Rig) -> Iterator[LayerFault]:
     """Decimated depth and labels are what the full-size ones give. frames: [mm]; None where they are not kept."""
     depth, cause = images["depth_decimated"], images["cause_decimated"]
     voted = most_frequent_cause(pixel_blocks(images["cause"], factor))
@@ -63,18 +63,18 @@ def decimation_faults(images: Images, frames: Frames | None, factor: int, rig: R
     yield from _false_blocks(images, frames, factor, rig)
 
 
-def _bounds(images: Images, factor: int) -> Iterator[Fault]:
+def _bounds(images: Images, factor: int) -> Iterator[LayerFault]:
     """Of a median of frames that are not kept: a block has depth where a pixel has, and about the mean of theirs."""
     depth, expected = images["depth_decimated"], decimate(images["depth"][None], factor)[0]
     both = (depth > 0) & (expected > 0)
     if np.any((depth == 0) & (expected > 0)):
         yield "depth_decimated", "has none where pixels of the block have depth"
     error = np.abs(depth[both].astype(float) - expected[both]) / expected[both]
-    if both.any() and np.median(error) > LEAST_AGREEMENT:
+    if both.any() and np.median(error) > MOST_MEDIAN_ERROR:
         yield "depth_decimated", "is in another unit than depth, or of another view"
 
 
-def _false_blocks(images: Images, frames: Frames, factor: int, rig: Rig) -> Iterator[Fault]:
+def _false_blocks(images: Images, frames: Frames, factor: int, rig: Rig) -> Iterator[LayerFault]:
     """False where decimated depth is off what decimation makes of the true depth of the same pixels."""
     true = millimetres(decoded_layer("depth_true", images["depth_true"]))
     perfect = decimate(np.where(frames > 0, true, np.uint16(0)), factor)

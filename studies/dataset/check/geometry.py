@@ -10,18 +10,18 @@ from render.labels.causes import Cause
 from render.labels.geometric import near
 from render.world.rig import Rig
 from scenes.scene import Body
-from studies.dataset.check.images import DEPTH_TRUE_ROUNDING, Fault, Images
+from studies.dataset.check.images import DEPTH_TRUE_ROUNDING, Images, LayerFault
 from studies.dataset.format.layers import decoded_layer
 
 PLACE_ROUNDING = 2e-4
 """Of a point from stored true depth [m]: 0.05 mm along Z, up to 1.3 times that along the ray, and float32."""
 EDGE_PX = 0.1
 """A point this near the right image's edge may fall on either side by the rounding of true depth [px]."""
-TABLE = "table"
+TABLE_BODY = "table"
 """Name of the body whose points lie on the faces of a box."""
 
 
-def place_faults(images: Images, bodies: tuple[Body, ...], pose: RigidTransform, rig: Rig) -> Iterator[Fault]:
+def place_faults(images: Images, bodies: tuple[Body, ...], pose: RigidTransform, rig: Rig) -> Iterator[LayerFault]:
     """Every pixel's point lies in the box around its body; the table's, on the box itself."""
     body, k = images["body"], rig.intrinsics
     if body.max() > len(bodies):
@@ -38,7 +38,7 @@ def place_faults(images: Images, bodies: tuple[Body, ...], pose: RigidTransform,
             for extreme, wide in ((np.min, -np.inf), (np.max, np.inf))
         )
         np.maximum(outside, np.maximum(low[body] - point, point - high[body]), out=outside)
-    is_table = np.array([False, *(b.name == TABLE for b in bodies)])
+    is_table = np.array([False, *(b.name == TABLE_BODY for b in bodies)])
     off = (outside > PLACE_ROUNDING) | (is_table[body] & (outside < -PLACE_ROUNDING))
     off &= z > 0
     if off.any():
@@ -46,7 +46,7 @@ def place_faults(images: Images, bodies: tuple[Body, ...], pose: RigidTransform,
         yield "depth_true", f"puts {np.count_nonzero(off)} points where, from this pose, {what} is not"
 
 
-def cause_faults(images: Images, rig: Rig) -> Iterator[Fault]:
+def cause_faults(images: Images, rig: Rig) -> Iterator[LayerFault]:
     """Holes out of range or beyond the right image are called so, and others only near such points."""
     cause, true = images["cause"], decoded_layer("depth_true", images["depth_true"]).astype(float)
     beyond, maybe_beyond = _out_of_range(true, rig)

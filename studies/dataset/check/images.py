@@ -17,7 +17,7 @@ from studies.dataset.format.layers import NOTHING_16, decoded_layer
 from studies.dataset.format.statistics import FALSE_DEPTH
 from studies.store.images import MM
 
-Fault = tuple[str, str]
+LayerFault = tuple[str, str]
 """Layer, and what is wrong with it."""
 DEPTH_TRUE_ROUNDING = 6e-5
 """True depth is stored to 0.05 mm, of a float32 [m]."""
@@ -25,7 +25,7 @@ ROUNDING = 0.6e-3
 """Depth is stored to half a millimetre and true depth to 0.05 mm [m]."""
 ANGLE_ROUNDING_DEG = 0.06
 """Of stored incidence and of the normals it follows from [deg]."""
-LEAST_AGREEMENT = 0.02
+MOST_MEDIAN_ERROR = 0.02
 """Relative error of depth that is not called false, in the median: more means another unit or another view [-] (the
 camera's own specification is 2 %)."""
 
@@ -34,7 +34,7 @@ Images = Mapping[str, np.ndarray]
 
 def view_faults(
     images: Images, bodies: list[dict[str, Any]], user: UserMaterials, rig: Rig, n_frames: int
-) -> Iterator[Fault]:
+) -> Iterator[LayerFault]:
     """All faults of one view's images, which have the right sizes and types."""
     for suffix in ("", "_decimated"):
         yield from label_faults(images, suffix)
@@ -42,7 +42,7 @@ def view_faults(
     yield from truth_faults(images, bodies, user, rig.intrinsics)
 
 
-def label_faults(images: Images, suffix: str) -> Iterator[Fault]:
+def label_faults(images: Images, suffix: str) -> Iterator[LayerFault]:
     """A pixel has depth or exactly one cause, and only depth can be false."""
     depth, cause, wrong = (images[f"{name}{suffix}"] for name in ("depth", "cause", "false_depth"))
     if not np.isin(cause, [int(c) for c in (Cause.MEASURED, *HOLES)]).all():
@@ -55,7 +55,7 @@ def label_faults(images: Images, suffix: str) -> Iterator[Fault]:
         yield f"false_depth{suffix}", "a pixel without depth is called false"
 
 
-def depth_faults(images: Images, rig: Rig, n_frames: int) -> Iterator[Fault]:
+def depth_faults(images: Images, rig: Rig, n_frames: int) -> Iterator[LayerFault]:
     """Depth within the range of the search; false where, and only where, it is off the truth; in the same unit."""
     depth, true = (decoded_layer(name, images[name]).astype(float) for name in ("depth", "depth_true"))
     measured, wrong = depth > 0, images["false_depth"] > 0
@@ -69,8 +69,8 @@ def depth_faults(images: Images, rig: Rig, n_frames: int) -> Iterator[Fault]:
         yield "false_depth", "calls depth false that is right"
     if np.any(measured & ~wrong & ((true == 0) | (error > limit + ROUNDING))):
         yield "false_depth", "calls depth right that is false"
-    right = measured & ~wrong & (limit < LEAST_AGREEMENT * true)  # farther away noise alone is more
-    if right.any() and np.median(error[right] / true[right]) > LEAST_AGREEMENT:
+    right = measured & ~wrong & (limit < MOST_MEDIAN_ERROR * true)  # farther away noise alone is more
+    if right.any() and np.median(error[right] / true[right]) > MOST_MEDIAN_ERROR:
         yield "depth", "is in another unit than the true depth, or of another view"
     if n_frames > 1:
         missing = images["missing_frames"]
@@ -83,7 +83,9 @@ def false_limit(true: Float[np.ndarray, "h w"], rig: Rig) -> Float[np.ndarray, "
     return np.maximum(LEAST_FALSE, SIGMAS * SUBPIXEL_RMS * true**2 / rig.focal_baseline)
 
 
-def truth_faults(images: Images, bodies: list[dict[str, Any]], user: UserMaterials, k: Intrinsics) -> Iterator[Fault]:
+def truth_faults(
+    images: Images, bodies: list[dict[str, Any]], user: UserMaterials, k: Intrinsics
+) -> Iterator[LayerFault]:
     """All true maps say the same of every pixel."""
     body = images["body"]
     there = body > 0
@@ -109,7 +111,7 @@ def truth_faults(images: Images, bodies: list[dict[str, Any]], user: UserMateria
     yield from normal_faults(images, there, k)
 
 
-def normal_faults(images: Images, there: Bool[np.ndarray, "h w"], k: Intrinsics) -> Iterator[Fault]:
+def normal_faults(images: Images, there: Bool[np.ndarray, "h w"], k: Intrinsics) -> Iterator[LayerFault]:
     """Normals are of unit length and make the stored angle with the view ray."""
     normal: Float[np.ndarray, "n 3"] = decoded_layer("normal", images["normal"])[there].astype(float)
     if not len(normal):

@@ -19,7 +19,7 @@ from studies.dataset.format.finished_scenes import made_by
 from studies.dataset.format.folders import LARGEST_FILE, MANIFEST, SCENE, SPLIT, STATISTICS, read_json, scene_name
 from studies.dataset.format.scene_files import TEXTS, scene_files
 from studies.dataset.make import bop
-from studies.dataset.make.scene_case import FORMAT
+from studies.dataset.make.scene_case import SCENE_FORMAT
 
 SAFE_NAME = re.compile(r"[a-z0-9_]+(/[a-z0-9_]+)?\.(png|json)")
 """No path that leaves the folder."""
@@ -76,7 +76,7 @@ def check_scene(check: SceneCheck) -> SceneCheck:
 
 def check_manifest(check: SceneCheck, manifest: dict[str, Any]) -> None:
     """Files: those listed and no others, of the stated size and hash."""
-    stated = {"format": FORMAT, "dataset": check.digest, "scene": check.scene, "seed": check.config.seed}
+    stated = {"format": SCENE_FORMAT, "dataset": check.digest, "scene": check.scene, "seed": check.config.seed}
     stated["views"] = check.config.views_of(check.scene)
     for key, value in stated.items():
         if manifest[key] != value:

@@ -14,7 +14,7 @@ from render.world.rig import Rig
 from studies.dataset.check.depth import decimation_faults, frame_faults, pair_faults
 from studies.dataset.check.draw import difference
 from studies.dataset.check.geometry import cause_faults, place_faults
-from studies.dataset.check.images import Fault, Images, view_faults
+from studies.dataset.check.images import Images, LayerFault, view_faults
 from studies.dataset.check.masks import read_silhouettes, silhouette_fault
 from studies.dataset.config import DatasetConfig
 from studies.dataset.draw.built_scene import BuiltScene
@@ -98,7 +98,7 @@ def check_view(scene: SceneSaid, view: ViewSaid) -> tuple[list[tuple[str, str]],
     return faults + more, annotations
 
 
-def image_faults(scene: SceneSaid, number: int, images: Images) -> Iterator[Fault]:
+def image_faults(scene: SceneSaid, number: int, images: Images) -> Iterator[LayerFault]:
     """What the images say against each other, the pose and the bodies."""
     rig, config = scene.rig, scene.config
     faults = list(view_faults(images, scene.bodies, config.materials.of_user, rig, config.n_frames))

@@ -20,7 +20,7 @@ from studies.dataset.draw.weighted_draw import log_uniform, pick
 
 Matrix = tuple[tuple[float, ...], ...]
 """A pose as a 4 x 4 matrix [m]."""
-CLEARANCE = 0.10
+CAMERA_CLEARANCE = 0.10
 """Least distance of the camera from the bounding box of anything on the table [m] (choice: the housing's radius and
 some room)."""
 STEP_BACK = 0.01
@@ -190,7 +190,7 @@ def _view(
     level, up = np.cos(np.radians(elevation)), np.sin(np.radians(elevation))
     outward = np.array([level * np.cos(np.radians(azimuth)), level * np.sin(np.radians(azimuth)), up])
     target = middle + aim
-    while any(_distance(target + distance * outward, box) < CLEARANCE for box in boxes):
+    while any(_distance(target + distance * outward, box) < CAMERA_CLEARANCE for box in boxes):
         distance += STEP_BACK
     pose = rolled(look_at(target + distance * outward, target), roll)
     return ViewDraw(

@@ -19,7 +19,7 @@ TRIES = 40
 """Places that are tried for one thing before it is left out (choice: a third of the tries succeed)."""
 CLUTTER_REACH = HALF_SIDE - 0.05
 """Clutter stands within this of the table's middle, along x and y [m] (choice: on the table, near its edge)."""
-FACETS = 96
+CLUTTER_FACETS = 96
 """Around round clutter (choice: 0.03 mm off a circle of 30 mm radius)."""
 
 
@@ -59,7 +59,9 @@ def clutter_mesh(shape: str, size: tuple[float, float, float]) -> Mesh:
     """A box, upright cylinder or ball of these sides, centred [m]."""
     if shape == "box":
         return box(size)
-    return cylinder(size[0] / 2, size[2], FACETS) if shape == "cylinder" else sphere(size[0] / 2, FACETS)
+    return (
+        cylinder(size[0] / 2, size[2], CLUTTER_FACETS) if shape == "cylinder" else sphere(size[0] / 2, CLUTTER_FACETS)
+    )
 
 
 def placed_objects(

@@ -35,7 +35,7 @@ class Gathered:
         return sum(len(draw.views) for draw in self.draws)
 
 
-def gather(root: Path) -> Gathered:
+def gather_scenes(root: Path) -> Gathered:
     """Read what every scene says about itself."""
     top = read_json(root / DATASET)
     draws, exposures, rows, shares, makers = [], [], [], [], set()

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from materials.input_error import InputError
-from studies.base.atomic_file import file_digest, flush, flush_tree
+from studies.base.atomic_file import file_digest, install
 from studies.base.output_errors import output_errors
 
 SPLIT = "train"
@@ -69,14 +69,12 @@ def written_whole(root: Path, target: Path) -> Iterator[Path]:
         partial.mkdir(parents=True)
         try:
             yield partial
-            flush_tree(partial)
             target.parent.mkdir(parents=True, exist_ok=True)
             try:
-                os.rename(partial, target)
+                install(partial, target)
             except OSError as error:
                 if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
                     raise
-            flush(target.parent)
         finally:
             shutil.rmtree(partial, ignore_errors=True)
 

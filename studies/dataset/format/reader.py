@@ -25,7 +25,7 @@ MOST_PIXELS = 1280 * 720
 """Of an image: the largest stream profile."""
 
 
-class Dataset(Sequence["View"]):
+class Dataset(Sequence["DatasetView"]):
     """All views of a dataset; images are read when they are asked for."""
 
     def __init__(self, root: str | Path) -> None:
@@ -55,15 +55,15 @@ class Dataset(Sequence["View"]):
         """Number of views."""
         return len(self._keys)
 
-    def __getitem__(self, index: SupportsIndex | slice) -> "View":  # type: ignore[override]  # slices would hide what is read
+    def __getitem__(self, index: SupportsIndex | slice) -> "DatasetView":  # type: ignore[override]  # slices would hide what is read
         """One view; TypeError for a slice."""
         if isinstance(index, slice):
             raise TypeError("a dataset gives one view at a time; write [dataset[k] for k in range(...)]")
-        return View(*self._keys[index])
+        return DatasetView(*self._keys[index])
 
-    def __iter__(self) -> Iterator["View"]:
+    def __iter__(self) -> Iterator["DatasetView"]:
         """All views in order."""
-        return (View(*key) for key in self._keys)
+        return (DatasetView(*key) for key in self._keys)
 
 
 def _is_scene(path: Path) -> bool:
@@ -74,7 +74,7 @@ def _is_scene(path: Path) -> bool:
 
 
 @dataclass(frozen=True)
-class View:
+class DatasetView:
     """One pose of one scene. Every layer of the card's table is an attribute: `view.depth`, `view.cause`..."""
 
     folder: Path

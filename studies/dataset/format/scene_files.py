@@ -27,7 +27,7 @@ def scene_files(config: DatasetConfig, n_views: int, n_objects: int) -> set[str]
     return names | set(TEXTS)
 
 
-def is_of(folder: Path, digest: str) -> bool:
+def belongs_to(folder: Path, digest: str) -> bool:
     """Whether a scene's manifest says that it belongs to the dataset of this configuration."""
     try:
         return read_json(folder / MANIFEST)["dataset"] == digest

@@ -9,7 +9,7 @@ from render.labels.causes import HOLES, LEGEND, Cause
 
 BIN_DEG = 10
 """Width of a bin of incidence [deg] (choice: nine bins up to grazing)."""
-FIELDS = ("material", "incidence_bin", "on_object", "label", "pixels")
+COUNTED_FIELDS = ("material", "incidence_bin", "on_object", "label", "pixels")
 """What a row of counts holds. label: a `Cause`; nothing there has material 0 and bin 9."""
 
 

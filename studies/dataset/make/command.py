@@ -1,38 +1,37 @@
 """`franbv dataset make`: draw, render and label what is missing, on this machine or a cluster, then index and card."""
 
 import contextlib
-import fcntl
-import os
 import shutil
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
 
 from materials.input_error import InputError
+from studies.base.atomic_file import folder_lock
 from studies.base.config import validated
 from studies.base.console import say, say_json, warn
 from studies.base.flags import parse
 from studies.base.inputs import check_outside
 from studies.base.output_errors import output_errors, prepare_output
-from studies.base.single_case import versions
 from studies.dataset.card.card import write_card
 from studies.dataset.config import DatasetConfig, load_dataset_config
 from studies.dataset.draw.objects import PoolObject, check_body_count, object_pool
 from studies.dataset.format.folders import DATASET, MODELS, SPLIT, WORK, read_json, removed_at_once, scene_name
 from studies.dataset.format.index import scene_folders, write_index
-from studies.dataset.format.scene_files import is_of
+from studies.dataset.format.scene_files import belongs_to
 from studies.dataset.make.manifest import check_same, dataset_digest, input_digests, input_files, write_head
-from studies.dataset.make.resume import agreed_maker, scene_makers, sound_scenes
-from studies.dataset.make.scene_case import SceneTask, make_scene, maker
-from studies.work.cluster import Cluster, connected
-from studies.work.workers import Failure, Job, limit_renderer, run_jobs, worker_count
+from studies.dataset.make.resume import scene_makers, sound_scenes
+from studies.dataset.make.scene_case import SceneTask, make_scene
+from studies.work.executor import Executor, WorkFlags, executor_of, exit_status, reasons_once
+from studies.work.maker import agreed_maker, versions
+from studies.work.workers import Failure, Job
 
-PROGRAM = "franbv dataset make"
-HELP = "Render labelled depth of random scenes. The same command takes an interrupted dataset up where it stopped."
+_PROGRAM = "franbv dataset make"
+_HELP = "Render labelled depth of random scenes. The same command takes an interrupted dataset up where it stopped."
 
 
 @dataclass(frozen=True)
@@ -45,12 +44,7 @@ class MakeCommand:
     """Folder of the dataset."""
     views: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """How many views, instead of those of the configuration."""
-    workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
-    """Worker processes on this machine; the default is one for each processor."""
-    scheduler: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
-    """Dask scheduler whose workers do it instead, such as tcp://host:8786."""
-    resource: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
-    """Only on Dask workers with this resource, such as GPU."""
+    work: Annotated[WorkFlags, tyro.conf.arg(name="")] = field(default_factory=WorkFlags)
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object as the last line of stdout."""
 
@@ -58,34 +52,28 @@ class MakeCommand:
 def run(args: list[str]) -> int:
     """Make what is missing."""
     began = time.perf_counter()
-    command = parse(MakeCommand, args, PROGRAM, HELP)
-    workers = worker_count(command.workers)
-    if command.resource and not command.scheduler:
-        raise InputError("--resource is for --scheduler; leave it out")
-    if command.workers is not None and command.scheduler:
-        raise InputError("--workers is for this machine; leave it out, since the scheduler has workers of its own")
+    command = parse(MakeCommand, args, _PROGRAM, _HELP)
     config = load_dataset_config(command.config)
     if command.views is not None:
         config = validated(DatasetConfig, config.model_dump() | {"views": command.views}, "--views")
     pool = object_pool(config)
     for notice in (notice for thing in pool for notice in thing.notices):
-        warn(f"{PROGRAM}: {notice}")
+        warn(f"{_PROGRAM}: {notice}")
     check_body_count(config, pool)
     root = command.dir.resolve()
     check_outside(input_files(command.config, config), root)
-    scheduler = connected(command.scheduler, command.resource) if command.scheduler else contextlib.nullcontext()
-    with scheduler as cluster:  # before anything is written
+    with executor_of(command.work) as executor:  # before anything is written
         prepare_output(root)
         with _alone(root), output_errors(root):
             check_ours(root, dataset_digest(config))
             (root / WORK).mkdir(exist_ok=True)  # first of all: what is half-written is ours from here on
             clear_debris(root)
             try:
-                failures, made = make_missing(root, config, pool, workers, cluster)
+                failures, made = make_missing(root, config, pool, executor)
             finally:
                 with contextlib.suppress(OSError):  # unless something in it is worth keeping
                     (root / WORK).rmdir()
-            figures = summary(root, made, failures, config, time.perf_counter() - began)
+            figures = make_summary(root, made, failures, config, time.perf_counter() - began)
             if not failures:
                 write_index(root, scene_folders(root))
                 write_card(root)
@@ -93,19 +81,19 @@ def run(args: list[str]) -> int:
     say(sentence(root, figures))
     if command.json:
         say_json(figures)
-    return 2 if any(failure.futile for failure in failures) else 1 if failures else 0
+    return exit_status(failures)
 
 
 def check_ours(root: Path, digest: str) -> None:
     """InputError for a folder that holds anything but a dataset of ours, whole, just begun, or of this configuration
     without its `dataset.json`."""
     begun = any((root / name).exists() for name in (DATASET, WORK)) or not any(root.iterdir())
-    if not begun and not any(is_of(root / SPLIT / name, digest) for name in scene_folders(root)):
+    if not begun and not any(belongs_to(root / SPLIT / name, digest) for name in scene_folders(root)):
         raise InputError(f"{root}: holds other files, and no {DATASET}; give an empty folder, or that of a dataset")
 
 
 def make_missing(
-    root: Path, config: DatasetConfig, pool: Sequence[PoolObject], workers: int, cluster: Cluster | None
+    root: Path, config: DatasetConfig, pool: Sequence[PoolObject], executor: Executor
 ) -> tuple[list[Failure], list[int]]:
     """Make the scenes that are not there whole; returns those that were given up, and the numbers of those tried."""
     check_same(root, config, pool)
@@ -117,35 +105,23 @@ def make_missing(
     missing = sorted(set(range(config.scenes)) - set(sound))
     made_by = agreed_maker(scene_makers(root, sound))
     there = [] if made_by is None else [(str(root), made_by)]
-    if cluster and missing:
-        cluster.check_folder(root / WORK)
-        made_by = agreed_maker([*there, *cluster.answers(maker).items()])
+    if missing:
+        executor.check_folder(root / WORK)
+        made_by = agreed_maker([*there, *executor.makers().items()])
     if made_by and missing:  # models and tables are written here
-        agreed_maker([(str(root), made_by), ("this machine", {**made_by, "versions": versions()})])
+        agreed_maker([(str(root), made_by), ("this machine", {**made_by, **versions()})])
     write_head(root, config, pool)
     inputs = input_digests(config, pool)
     tasks = [SceneTask(root, config, digest, number, made_by, inputs) for number in missing]
     jobs = [Job(task.title, make_scene, task) for task in tasks]
-    tell = _reasons_once()
-    failures = cluster.run(jobs, tell) if cluster else run_jobs([jobs], workers, limit_renderer, len(sound), tell)
+    tell = reasons_once(_PROGRAM)
+    failures = executor.run([jobs], len(sound), tell)
     known, arrived = {failure.name for failure in failures}, set(scene_folders(root))
     for task in tasks:
         if scene_name(task.scene) not in arrived and task.title not in known:
             failures.append(Failure(task.title, "was made, but did not arrive in this folder"))
             tell(failures[-1])
     return failures, missing
-
-
-def _reasons_once() -> Callable[[Failure], None]:
-    """Says why a job was given up as soon as it is, once for each reason: a full disk fails every scene alike."""
-    told: set[str] = set()
-
-    def tell(failure: Failure) -> None:
-        if failure.reason not in told:
-            told.add(failure.reason)
-            warn(f"{PROGRAM}: {failure.name}: {failure.reason}")
-
-    return tell
 
 
 def clear_debris(root: Path) -> None:
@@ -155,7 +131,7 @@ def clear_debris(root: Path) -> None:
             path.unlink(missing_ok=True)
 
 
-def summary(
+def make_summary(
     root: Path, made: list[int], failures: list[Failure], config: DatasetConfig, wall_s: float
 ) -> dict[str, Any]:
     """The figures of this command; `views` and `failed` count views and together make the dataset."""
@@ -194,15 +170,8 @@ def sentence(root: Path, figures: dict[str, Any]) -> str:
 
 @contextlib.contextmanager
 def _alone(root: Path) -> Iterator[None]:
-    """Hold the folder: the lock goes with the process, whatever ends it."""
-    descriptor = os.open(root, os.O_RDONLY)
-    try:
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise InputError(f"{root}: another process makes this dataset; wait for it to end") from None
-        except OSError:  # a file system that cannot lock folders: then nobody can know
-            pass
+    """Hold the dataset's folder."""
+    with folder_lock(root) as held:
+        if held is None:
+            raise InputError(f"{root}: another process makes this dataset; wait for it to end")
         yield
-    finally:
-        os.close(descriptor)

@@ -17,7 +17,7 @@ from studies.dataset.format.layers import MASKS
 from studies.dataset.format.layers import layers as layers_of
 from studies.dataset.make import bop
 
-COMMAND = "dataset"
+DATASET_COMMAND = "dataset"
 """What the hash of a dataset's configuration calls it."""
 
 
@@ -33,7 +33,7 @@ def recorded(config: DatasetConfig) -> DatasetConfig:
 
 def dataset_digest(config: DatasetConfig) -> str:
     """Name of the configuration; scenes say which one they are of."""
-    return case_digest(COMMAND, recorded(config))
+    return case_digest(DATASET_COMMAND, recorded(config))
 
 
 def measured_names(config: DatasetConfig) -> list[str]:

@@ -10,9 +10,7 @@ from studies.dataset.config import DatasetConfig
 from studies.dataset.format.folders import MANIFEST, SPLIT, read_json, removed_at_once, scene_name
 from studies.dataset.format.index import scene_folders
 from studies.dataset.format.scene_files import OF_ANOTHER, scene_fault
-
-Maker = dict[str, Any]
-"""`renderer` and `versions` of a manifest: what decides the bytes of a scene beside its configuration."""
+from studies.work.maker import Maker
 
 
 def sound_scenes(root: Path, config: DatasetConfig, digest: str) -> list[int]:
@@ -40,28 +38,9 @@ def scene_makers(root: Path, scenes: Iterable[int]) -> Iterable[tuple[str, Maker
     """What made each of these scenes, by its name."""
     for name in map(scene_name, scenes):
         manifest = read_json(root / SPLIT / name / MANIFEST)
-        yield f"{SPLIT}/{name}", {"renderer": manifest["renderer"], "versions": manifest["versions"]}
+        yield f"{SPLIT}/{name}", manifest_maker(manifest)
 
 
-def agreed_maker(makers: Iterable[tuple[str, Maker]]) -> Maker | None:
-    """The one that all of them are, None without any; InputError where two differ: their scenes would, too.
-
-    makers: who it is, for people, and what.
-    """
-    first: tuple[str, Maker] | None = None
-    for who, one in makers:
-        first = first or (who, one)
-        if what := difference(first[1], one):
-            raise InputError(
-                f"{first[0]} has {what} of {who}; scenes would differ: use the same everywhere, or another folder"
-            )
-    return first[1] if first else None
-
-
-def difference(one: Maker, other: Maker) -> str | None:
-    """The first thing in which two makers differ, in words; None if there is none."""
-    mine, theirs = ({"renderer": maker["renderer"], **maker["versions"]} for maker in (one, other))
-    for name in (*mine, *theirs):
-        if mine.get(name) != theirs.get(name):
-            return f"{name} {mine.get(name)}, not the {theirs.get(name)}"
-    return None
+def manifest_maker(manifest: dict[str, Any]) -> Maker:
+    """What made a scene, by its manifest."""
+    return {"renderer": manifest["renderer"]} | manifest["versions"]

@@ -2,10 +2,8 @@
 
 import resource
 import sys
-import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +11,13 @@ import cv2
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
+from franbv.stage_clock import StageClock
 from render.d435i import SimulatedD435i
 from render.labels.twin import twin_camera
 from render.light.radiance import Sampling
 from render.world import backend
 from render.world.mitsuba_scene import load_scene
 from studies.base.output_errors import FutileError, output_errors
-from studies.base.single_case import versions
 from studies.dataset.config import DatasetConfig
 from studies.dataset.draw.built_scene import BuiltScene, build_scene, sensor_settings
 from studies.dataset.draw.draw import SceneDraw, draw_scene
@@ -40,10 +38,10 @@ from studies.dataset.format.scene_files import scene_files
 from studies.dataset.format.statistics import counts
 from studies.dataset.make import bop
 from studies.dataset.make.manifest import input_digests
-from studies.dataset.make.resume import Maker, difference
 from studies.dataset.make.view import Cameras, LabelledView, LoneObject, labelled_view
+from studies.work.maker import Maker, maker, unlikeness, versions
 
-FORMAT = 1
+SCENE_FORMAT = 1
 """Version of what a scene folder holds."""
 COMPRESSION = 1
 """Of PNG files (choice: level 9 makes them a fifth smaller and takes ten times as long)."""
@@ -70,48 +68,31 @@ class SceneTask:
         return f"scene {scene_name(self.scene)}"
 
 
-@dataclass
-class Clock:
-    """Wall and processor time by stage [s]."""
-
-    seconds: dict[str, list[float]] = field(default_factory=dict)
-
-    @contextmanager
-    def stage(self, name: str) -> Iterator[None]:
-        """Adds what is done in it."""
-        wall, cpu = time.perf_counter(), time.process_time()
-        try:
-            yield
-        finally:
-            spent = self.seconds.setdefault(name, [0.0, 0.0])
-            spent[0] += time.perf_counter() - wall
-            spent[1] += time.process_time() - cpu
-
-
 def make_scene(task: SceneTask) -> None:
     """Make the scene and write its folder, unless it is there; leave the times beside it."""
     target = task.root / SPLIT / scene_name(task.scene)
     if target.is_dir():
         return
-    if task.made_by and (what := difference(task.made_by, maker())):
+    if task.made_by and (what := unlikeness(task.made_by, maker())):
         raise FutileError(f"{task.root} has {what} of this worker; use the same everywhere, or another folder")
-    clock = Clock()
-    with clock.stage("drawing and placing"):
+    clock = StageClock()
+    with clock.timing("drawing and placing"):
         pool = object_pool(task.config)
         check_inputs(task, pool)
         draw = draw_scene(task.config, pool, task.scene)
-    with clock.stage("loading the scene"):
+    with clock.timing("loading the scene"):
         built = build_scene(draw, pool, task.config.materials.of_user)
         cameras = scene_cameras(task.config, draw, built, pool)
     with written_whole(task.root, target) as folder:
         write_scene(folder, task, draw, cameras, clock)
-        with clock.stage("hashing"):
+        with clock.timing("hashing"):
             files = listed_files(folder)
             if files.keys() != scene_files(task.config, len(draw.views), len(draw.objects)):
                 raise RuntimeError(f"{folder}: another process has taken files away")
-            (folder / MANIFEST).write_bytes(compact_json(manifest(task, draw, files)))
+            (folder / MANIFEST).write_bytes(compact_json(scene_manifest(task, draw, files)))
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
-    times = {"views": len(draw.views), "peak_rss": peak, "stages": clock.seconds}
+    stages = {name: [spent.wall_s, spent.process_s] for name, spent in clock.read().items()}
+    times = {"views": len(draw.views), "peak_rss": peak, "stages": stages}
     with output_errors(task.root):
         (task.root / WORK / f"{scene_name(task.scene)}.json").write_bytes(compact_json(times))
 
@@ -142,14 +123,14 @@ def scene_cameras(config: DatasetConfig, draw: SceneDraw, built: BuiltScene, poo
     return Cameras(built, real, twin_camera(real), lone)
 
 
-def write_scene(folder: Path, task: SceneTask, draw: SceneDraw, cameras: Cameras, clock: Clock) -> None:
+def write_scene(folder: Path, task: SceneTask, draw: SceneDraw, cameras: Cameras, clock: StageClock) -> None:
     """All views and what is said about them."""
     camera, info, poses, exposures, statistics, annotations = {}, {}, {}, [], [], []
     k = cameras.real.rig.intrinsics
     for number, drawn in enumerate(draw.views):
         pose = RigidTransform.from_matrix(np.array(drawn.T_world_cam))
-        view = labelled_view(cameras, pose, task.config.n_frames, clock.stage)
-        with clock.stage("encoding and writing"):
+        view = labelled_view(cameras, pose, task.config.n_frames, clock.timing)
+        with clock.timing("encoding and writing"):
             write_images(folder, number, view, task.config.keep_frames)
             camera[number], poses[number] = bop.camera_entry(k, pose), bop.pose_entries(draw, pose)
             info[number] = bop.info_entries(view)
@@ -208,20 +189,16 @@ def _write(path: Path, image: np.ndarray) -> None:
     path.write_bytes(data.tobytes())
 
 
-def manifest(task: SceneTask, draw: SceneDraw, files: dict[str, list]) -> dict[str, Any]:
+def scene_manifest(task: SceneTask, draw: SceneDraw, files: dict[str, list]) -> dict[str, Any]:
     """What the folder holds and how it came about."""
     return {
-        "format": FORMAT,
+        "format": SCENE_FORMAT,
         "dataset": task.digest,
         "scene": task.scene,
         "views": len(draw.views),
         "seed": task.config.seed,
         "noise_seed": draw.noise_seed,
-        **maker(),
+        "renderer": backend.mitsuba_variant(),
+        "versions": versions(),
         "files": files,
     }
-
-
-def maker() -> Maker:
-    """What makes scenes in this process, to the versions that decide their bytes."""
-    return {"renderer": backend.mitsuba_variant(), "versions": versions()}

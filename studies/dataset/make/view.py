@@ -94,7 +94,7 @@ def labelled_view(cameras: Cameras, pose: RigidTransform, n_frames: int, stage: 
     visible = tuple(owner[truth.body] == number for number in range(len(cameras.objects)))
     with stage("masks"):
         silhouettes = tuple(
-            silhouette(thing.world, real.rig.intrinsics, thing.T_world_model.inv() * pose, seen)
+            object_silhouette(thing.world, real.rig.intrinsics, thing.T_world_model.inv() * pose, seen)
             for thing, seen in zip(cameras.objects, visible, strict=True)
         )
     images = measured_images(measurement) | true_images(truth, cameras.built, pose) | label_images(labels)
@@ -158,7 +158,7 @@ def label_images(labels: Labels) -> dict[str, UInt8[np.ndarray, "..."]]:
     return maps
 
 
-def silhouette(
+def object_silhouette(
     world: LoadedScene, intrinsics: Intrinsics, pose: RigidTransform, visible: Bool[np.ndarray, "h w"]
 ) -> Silhouette:
     """Shoot the pixels' centre rays at the object alone, on a canvas of three images' width and height, where it

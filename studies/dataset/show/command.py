@@ -21,16 +21,16 @@ from studies.base.console import say, say_json
 from studies.base.flags import parse
 from studies.base.output_errors import output_errors
 from studies.dataset.check.scene import UNREADABLE
-from studies.dataset.format.finished_scenes import Gathered, gather
+from studies.dataset.format.finished_scenes import Gathered, gather_scenes
 from studies.dataset.format.folders import existing_dataset
-from studies.dataset.format.reader import Dataset, View
+from studies.dataset.format.reader import Dataset, DatasetView
 from studies.dataset.format.statistics import BIN_DEG, FALSE_DEPTH
 from studies.drawing.stacked_figure import StackedRow, stacked_figure
 from studies.drawing.templates import environment, page_style
 from studies.store.images import MM, coloured_depth, data_uri, photo_uri
 
-PROGRAM = "franbv dataset show"
-HELP = "Make a contact sheet (HTML) and statistics of a dataset: hole causes by material and angle."
+_PROGRAM = "franbv dataset show"
+_HELP = "Make a contact sheet (HTML) and statistics of a dataset: hole causes by material and angle."
 MOST_MATERIALS = 40
 """Bars of the figure (choice: a page long)."""
 FEWEST_PIXELS = 100
@@ -55,7 +55,7 @@ class ShowCommand:
 
 def run(args: list[str]) -> int:
     """Make the page."""
-    command = parse(ShowCommand, args, PROGRAM, HELP)
+    command = parse(ShowCommand, args, _PROGRAM, _HELP)
     if command.views < 1:
         raise InputError(f"--views {command.views}: give 1 or more")
     root = existing_dataset(command.dir).resolve()
@@ -69,7 +69,7 @@ def run(args: list[str]) -> int:
         raise InputError(f"{root}: cannot be read ({words}); run `franbv dataset check {root}`") from None
     with output_errors(out.parent):
         write_atomically(out, page.encode())
-    figures = headline(gather(root))
+    figures = headline(gather_scenes(root))
     say(f"{figures['views']} views, {100 * figures['hole_share']:.1f} % of the objects' pixels without depth: {out}")
     if command.json:
         say_json({"page": str(out), **figures})
@@ -104,7 +104,7 @@ def _image_shares(data: Gathered) -> dict[str, float]:
 
 def page_html(root: Path, n_shown: int) -> str:
     """The whole page."""
-    data, dataset = gather(root), Dataset(root)
+    data, dataset = gather_scenes(root), Dataset(root)
     shown = np.unique(np.linspace(0, len(dataset) - 1, min(n_shown, len(dataset))).round().astype(int)).tolist()
     return (
         environment("studies.dataset.show")
@@ -149,7 +149,7 @@ def _tiles(figures: dict[str, Any]) -> Iterable[tuple[str, str, str]]:
         yield f"{100 * figures[key]:.1f} %", name, everywhere
 
 
-def sheet_row(view: View) -> dict[str, Any]:
+def sheet_row(view: DatasetView) -> dict[str, Any]:
     """One view: words and pictures."""
     depth, true, draw = view.depth, view.depth_true, view.draw
     drawn = draw["views"][view.number]
@@ -181,7 +181,7 @@ def made_of(name: str) -> str:
     return f"{known_as}, alpha " + " and ".join(f"{float(alpha):.2g}" for alpha in alphas.split(","))
 
 
-def cause_picture(view: View) -> UInt8[np.ndarray, "h w 3"]:
+def cause_picture(view: DatasetView) -> UInt8[np.ndarray, "h w 3"]:
     """Label map in the legend's colours, over the infrared image where depth is right."""
     label = np.where(view.false_depth > 0, view.false_depth, view.cause)
     colours = np.zeros((256, 3), np.uint8)
@@ -191,7 +191,7 @@ def cause_picture(view: View) -> UInt8[np.ndarray, "h w 3"]:
     return np.where((label == 0)[..., None], faint, colours[label])
 
 
-def incidence_picture(view: View) -> UInt8[np.ndarray, "h w"]:
+def incidence_picture(view: DatasetView) -> UInt8[np.ndarray, "h w"]:
     """White at 0 deg, dark at 90, black for nothing."""
     return np.nan_to_num(255 * (1 - view.incidence / (np.pi / 2)), nan=0.0).clip(0, 255).astype(np.uint8)
 

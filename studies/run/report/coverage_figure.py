@@ -9,59 +9,74 @@ from markupsafe import Markup
 from studies.drawing import svg
 from studies.run.acquisition_table import FIRST, RECOVERY
 
-WIDTH, HEIGHT = 1160, 404
-LEFT, RIGHT, TOP, BOTTOM = 52, 948, 74, 348
+COVERAGE_PLOT = svg.Plot(width=1160, height=404, left=52, right=948, top=74, bottom=348)
 """Edges of the plot inside the drawing [px]; the labels of the curves stand to its right."""
 
-Rows = Sequence[Mapping[str, Any]]
+AcquisitionRows = Sequence[Mapping[str, Any]]
 
 
-def coverage_figure(rows: Rows) -> Markup:
+def coverage_figure(rows: AcquisitionRows) -> Markup:
     """Raw and map-filtered coverage at 5 mm and raw coverage at 2.5 mm after each acquisition."""
-    x = svg.Scale(0.5, len(rows) + 0.5, LEFT, RIGHT)
-    y = svg.Scale(0, 100, BOTTOM, TOP)
+    x = svg.Scale(0.5, len(rows) + 0.5, COVERAGE_PLOT.left, COVERAGE_PLOT.right)
+    y = svg.Scale(0, 100, COVERAGE_PLOT.bottom, COVERAGE_PLOT.top)
     ticks = [t for t in svg.round_ticks(1, max(len(rows), 2), 12) if t >= 1 and t == int(t)]
     return svg.figure(
-        WIDTH,
-        HEIGHT,
+        COVERAGE_PLOT.width,
+        COVERAGE_PLOT.height,
         "Coverage against acquisitions",
         _recovery_bands(rows, x),
-        svg.left_axis(y, LEFT, RIGHT, [0, 20, 40, 60, 80, 100]),
+        svg.left_axis(y, COVERAGE_PLOT.left, COVERAGE_PLOT.right, [0, 20, 40, 60, 80, 100]),
         svg.text(0, 16, "Share of the visible surface [%]", "axis-label"),
-        svg.bottom_axis(x, BOTTOM, "Acquisitions taken", ticks),
+        svg.bottom_axis(x, COVERAGE_PLOT.bottom, "Acquisitions taken", ticks),
         _iteration_marks(rows, x),
         *_curves(rows, x, y),
         _marks(rows, x, y),
     )
 
 
-def _recovery_bands(rows: Rows, x: svg.Scale) -> Markup:
+def _recovery_bands(rows: AcquisitionRows, x: svg.Scale) -> Markup:
     """A band behind the acquisitions of each recovery activation."""
     bands = []
     places = [(row["activation"], k + 1) for k, row in enumerate(rows) if row["kind"] == RECOVERY]
     for activation, members in groupby(places, key=lambda place: place[0]):
         numbers = [number for _, number in members]
         left, right = x(min(numbers) - 0.5), x(max(numbers) + 0.5)
-        band = svg.element("rect", x=left, y=TOP, width=right - left, height=BOTTOM - TOP, klass="recovery-band")
+        band = svg.element(
+            "rect",
+            x=left,
+            y=COVERAGE_PLOT.top,
+            width=right - left,
+            height=COVERAGE_PLOT.bottom - COVERAGE_PLOT.top,
+            klass="recovery-band",
+        )
         bands.append(svg.marked(band, f"Recovery {activation}: {len(numbers)} views"))
     return svg.join(*bands)
 
 
-def _iteration_marks(rows: Rows, x: svg.Scale) -> Markup:
+def _iteration_marks(rows: AcquisitionRows, x: svg.Scale) -> Markup:
     """The NBV iterations along the top edge, at the acquisition that begins each."""
     begins = {row["iteration"]: k + 1 for k, row in reversed(list(enumerate(rows)))}
     every = max(1, -(-len(begins) // 24))
     marks = [
-        svg.join(svg.line(x(k), TOP - 5, x(k), TOP, "tick"), svg.text(x(k), TOP - 10, n, "tick-label mid"))
+        svg.join(
+            svg.line(x(k), COVERAGE_PLOT.top - 5, x(k), COVERAGE_PLOT.top, "tick"),
+            svg.text(x(k), COVERAGE_PLOT.top - 10, n, "tick-label mid"),
+        )
         for n, k in begins.items()
         if n % every == 0
     ]
     return svg.join(
-        *marks, svg.text(LEFT, TOP - 27, "NBV iteration (0 = first view) begins with acquisition", "tick-label")
+        *marks,
+        svg.text(
+            COVERAGE_PLOT.left,
+            COVERAGE_PLOT.top - 27,
+            "NBV iteration (0 = first view) begins with acquisition",
+            "tick-label",
+        ),
     )
 
 
-def _curves(rows: Rows, x: svg.Scale, y: svg.Scale) -> list[Markup]:
+def _curves(rows: AcquisitionRows, x: svg.Scale, y: svg.Scale) -> list[Markup]:
     """The three curves with their names at the right end, moved apart where they would overlap."""
     wanted = (
         ("coverage_5mm", "curve", "within 5 mm"),
@@ -76,11 +91,11 @@ def _curves(rows: Rows, x: svg.Scale, y: svg.Scale) -> list[Markup]:
     labels.sort(key=lambda label: label[0])
     for above, below in pairwise(labels):
         below[0] = max(below[0], above[0] + 18)
-    pieces += [svg.text(RIGHT + 14, place + 4, words, f"{klass} label") for place, words, klass in labels]
+    pieces += [svg.text(COVERAGE_PLOT.right + 14, place + 4, words, f"{klass} label") for place, words, klass in labels]
     return pieces
 
 
-def _marks(rows: Rows, x: svg.Scale, y: svg.Scale) -> Markup:
+def _marks(rows: AcquisitionRows, x: svg.Scale, y: svg.Scale) -> Markup:
     """One dot per acquisition on the 5 mm curve, coloured by its kind."""
     dots = []
     before = 0.0

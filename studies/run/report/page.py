@@ -39,9 +39,11 @@ def report_html(stored: StoredRun) -> str:
             run=stored.run,
             summary=stored.run["summary"],
             paragraph=run_paragraph(stored.run, stored.timings),
-            tiles=list(tiles(stored.run["summary"], stored.timings)),
+            tiles=list(run_tiles(stored.run["summary"], stored.timings)),
             coverage=coverage_figure(rows),
-            acquisitions=[(row, picture, gain) for row, picture, gain in zip(rows, strips, gains(rows), strict=True)],
+            acquisitions=[
+                (row, picture, gain) for row, picture, gain in zip(rows, strips, coverage_gains(rows), strict=True)
+            ],
             recoveries=sum(row["kind"] == RECOVERY for row in rows),
             sensing=timing_figure(stages, [SENSING], "Sensing [s]"),
             planning=timing_figure(stages, [name for name in stage_names(stages) if name != SENSING], "Planning [s]"),
@@ -55,7 +57,7 @@ def report_html(stored: StoredRun) -> str:
     )
 
 
-def tiles(summary: Mapping[str, Any], timings: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
+def run_tiles(summary: Mapping[str, Any], timings: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
     """Headline figures: value, name, what it is measured against."""
     yield percent(summary["coverage_5mm"]), "coverage", "visible surface within 5 mm of the cloud"
     yield percent(summary["filtered_coverage_5mm"]), "filtered coverage", "same, only points in occupied voxels"
@@ -73,7 +75,7 @@ def tiles(summary: Mapping[str, Any], timings: Mapping[str, Any]) -> Iterator[tu
     yield f"{timings['wall_s']:.0f} s", "wall time", "sensor simulation, planning and evaluation"
 
 
-def gains(rows: list[dict[str, Any]]) -> list[float]:
+def coverage_gains(rows: list[dict[str, Any]]) -> list[float]:
     """Coverage that each acquisition added at 5 mm [-]."""
     values = [0.0, *(row["coverage_5mm"] for row in rows)]
     return [after - before for before, after in pairwise(values)]

@@ -8,8 +8,7 @@ from markupsafe import Markup
 
 from studies.drawing import svg
 
-WIDTH, HEIGHT = 566, 250
-LEFT, RIGHT, TOP, BOTTOM = 46, 562, 34, 196
+TIMING_PLOT = svg.Plot(width=566, height=250, left=46, right=562, top=34, bottom=196)
 
 SENSING = "sensing"
 """The stage that is the sensor's; all others are the planner's."""
@@ -75,8 +74,8 @@ def timing_figure(times: Sequence[Mapping[str, float]], stages: Sequence[str], l
     """A column per acquisition, the given stages stacked; the colours are those of the table of stages."""
     colours = {name: k for k, name in enumerate(stage_names(times))}
     totals = [sum(row.get(name, 0.0) for name in stages) for row in times]
-    x = svg.Scale(0.5, len(times) + 0.5, LEFT, RIGHT)
-    y = svg.Scale(0, max([*totals, 1e-3]) * 1.05, BOTTOM, TOP)
+    x = svg.Scale(0.5, len(times) + 0.5, TIMING_PLOT.left, TIMING_PLOT.right)
+    y = svg.Scale(0, max([*totals, 1e-3]) * 1.05, TIMING_PLOT.bottom, TIMING_PLOT.top)
     width = min(0.7 * (x(2) - x(1)), 30)
     columns = []
     for k, row in enumerate(times):
@@ -91,11 +90,11 @@ def timing_figure(times: Sequence[Mapping[str, float]], stages: Sequence[str], l
             floor += seconds
     ticks = [t for t in svg.round_ticks(1, max(len(times), 2), 8) if t == int(t)]
     return svg.figure(
-        WIDTH,
-        HEIGHT,
+        TIMING_PLOT.width,
+        TIMING_PLOT.height,
         f"{label} per acquisition",
-        svg.left_axis(y, LEFT, RIGHT, y.ticks(4)),
+        svg.left_axis(y, TIMING_PLOT.left, TIMING_PLOT.right, y.ticks(4)),
         svg.text(0, 16, label, "axis-label"),
         *columns,
-        svg.bottom_axis(x, BOTTOM, "Acquisition", ticks),
+        svg.bottom_axis(x, TIMING_PLOT.bottom, "Acquisition", ticks),
     )

@@ -13,7 +13,7 @@ from studies.sensitivity.columns import FALSE_DEPTHS, cause_column
 from studies.sensitivity.report.maps import mapped_rows
 from studies.sensitivity.shares import Row, column_sum, false_share, hole_share, unusable_share
 from studies.sensitivity.trust import spoken, surface, together
-from studies.statistics.shares import mean_share
+from studies.statistics.intervals import mean_interval
 
 Share = Callable[[Sequence[Row]], float | None]
 LEAST_PX = 200
@@ -59,7 +59,7 @@ def seed_points(rows: Sequence[Row], value: Share) -> list:
     points = []
     for polar, group in sorted(together(rows, lambda row: row["polar_deg"]).items()):
         shares = [value(of_seed) for of_seed in together(group, lambda row: row["seed"]).values()]
-        points.append((polar, mean_share([s for s in shares if s is not None])))
+        points.append((polar, mean_interval([s for s in shares if s is not None])))
     return points
 
 
@@ -106,7 +106,7 @@ def view_points(rows: Sequence[Row]) -> list:
     points = []
     for middle, group in sorted(together(rows, lambda row: row["incidence_deg"]).items()):
         shares = [unusable_share([row]) for row in group]
-        points.append((middle, mean_share([s for s in shares if s is not None])))
+        points.append((middle, mean_interval([s for s in shares if s is not None])))
     return points
 
 
@@ -115,8 +115,8 @@ def recovery_curves(rows: Sequence[Row]) -> Markup:
     curves = []
     for kind, klass in (("diamond", "series-recovery"), ("pb", "series-nbv")):
         chosen = [row for row in rows if row["kind"] == kind and row["regained_share"] is not None]
-        bins = together(chosen, lambda row: TURN_BIN_DEG * round(change(row) / TURN_BIN_DEG))
-        points = [(middle, mean_share([row["regained_share"] for row in bins[middle]])) for middle in sorted(bins)]
+        bins = together(chosen, lambda row: TURN_BIN_DEG * round(incidence_change(row) / TURN_BIN_DEG))
+        points = [(middle, mean_interval([row["regained_share"] for row in bins[middle]])) for middle in sorted(bins)]
         if points:
             curves.append(Curve(kind, klass, points))
     if not curves:
@@ -131,6 +131,6 @@ def recovery_curves(rows: Sequence[Row]) -> Markup:
     )
 
 
-def change(row: Row) -> float:
+def incidence_change(row: Row) -> float:
     """By how much more steeply the recovery view looks at the surface [deg]."""
     return row["incidence_deg"] - row["incidence_before_deg"]

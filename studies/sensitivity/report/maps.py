@@ -5,8 +5,7 @@ from collections.abc import Callable, Sequence
 from markupsafe import Markup
 
 from materials.finishes import FINISHES
-from studies.drawing.heat_map_figure import Cell, Panel, heat_map_figure
-from studies.drawing.heat_map_figure import Row as MapRow
+from studies.drawing.heat_map_figure import Cell, MapRow, Panel, heat_map_figure
 from studies.sensitivity.shares import Row, column_sum
 from studies.sensitivity.trust import spoken, surface, together
 

@@ -35,16 +35,16 @@ from studies.sensitivity.report.tables import (
 )
 from studies.sensitivity.roughness import roughness_curves
 from studies.sensitivity.rules import pb_regained, precision, recall, regained
-from studies.sensitivity.sentences import findings
+from studies.sensitivity.sentences import study_findings
 from studies.sensitivity.shares import Row, false_share, hole_share
-from studies.sensitivity.tables import Tables, gather, main_rows, summary, write_tables
+from studies.sensitivity.tables import Tables, gather_tables, main_rows, study_summary, write_tables
 from studies.sensitivity.trust import distrusts, spoken, trusted
 
 
 def rebuild(out: Path) -> Path:
     """(Re)build tables and report from the folders of the finished cases; returns the report's path."""
     plan = read_plan(out)
-    tables = gather(out, plan.cases)
+    tables = gather_tables(out, plan.cases)
     write_tables(out, tables)
     return write_sensitivity_report(out, plan, tables)
 
@@ -58,7 +58,7 @@ def write_sensitivity_report(out: Path, plan: Plan, tables: Tables) -> Path:
 
 def sensitivity_html(plan: Plan, tables: Tables) -> str:
     """The whole page."""
-    figures, main = summary(tables), main_rows(tables)
+    figures, main = study_summary(tables), main_rows(tables)
     baseline = CAMERA_MODELS[plan.preset.get("sensor", {}).get("model", "d435i")].baseline
     mapped, curves = mapped_rows(main), roughness_curves(main, baseline)
     against_angle, repeated = angle_curves(main)
@@ -68,8 +68,8 @@ def sensitivity_html(plan: Plan, tables: Tables) -> str:
         .get_template("sensitivity.html.j2")
         .render(
             title=plan.title,
-            paragraph=findings(figures, main, tables.views, curves),
-            tiles=list(tiles(figures, main)),
+            paragraph=study_findings(figures, main, tables.views, curves),
+            tiles=list(study_tiles(figures, main)),
             measured=figures["cases"],
             wanted=len({case for _, case in plan.cases}),
             distrusts=found,
@@ -100,7 +100,7 @@ def sensitivity_html(plan: Plan, tables: Tables) -> str:
     )
 
 
-def tiles(figures: Mapping[str, Any], main: Sequence[Row]) -> Iterator[tuple[str, str, str]]:
+def study_tiles(figures: Mapping[str, Any], main: Sequence[Row]) -> Iterator[tuple[str, str, str]]:
     """Headline figures: value, name, what it is measured against."""
     yield (
         f"{figures['cases']:,}",

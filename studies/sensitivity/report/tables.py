@@ -6,12 +6,12 @@ from statistics import median
 
 from materials.finishes import FINISHES
 from studies.base.numbers_as_text import counted, percent
-from studies.sensitivity.columns import STAGES
+from studies.sensitivity.columns import DETECTOR_STAGES
 from studies.sensitivity.rules import hidden, pb_regained, precision, recall, regained
 from studies.sensitivity.shares import Row, column_share, column_sum, false_share, hole_share
 from studies.sensitivity.trust import spoken, surface, together
 
-STAGE_WORDS = {
+DETECTOR_STAGE_WORDS = {
     "persistent_invalid": "no depth in half of the frames",
     "inside_silhouette": "inside the silhouette",
     "inside_eroded_silhouette": "inside the eroded silhouette",
@@ -35,11 +35,17 @@ def stage_table(rows: Sequence[Row]) -> Table:
     judged = [row for row in rows if row["reflective"] is not None]
     true = column_sum(judged, "reflective")
     lines, before = [], true
-    for stage in STAGES:
+    for stage in DETECTOR_STAGES:
         found, right = column_sum(judged, f"found_{stage}"), column_sum(judged, f"right_{stage}")
         shares = (right / found if found else None, right / true if true else None)
         lines.append(
-            [STAGE_WORDS[stage], f"{found:,.0f}", f"{right:,.0f}", *map(percent, shares), f"{before - right:,.0f}"]
+            [
+                DETECTOR_STAGE_WORDS[stage],
+                f"{found:,.0f}",
+                f"{right:,.0f}",
+                *map(percent, shares),
+                f"{before - right:,.0f}",
+            ]
         )
         before = right
     return Table(

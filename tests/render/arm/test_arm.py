@@ -5,10 +5,10 @@ import pytest
 import trimesh
 from scipy.spatial.transform import RigidTransform, Rotation
 
-from franbv.frames import look_at
+from franbv.frames import look_at, rolled
 from materials.input_error import InputError
 from render.arm.arm import CLEARANCE, ArmLimits, SimulatedArm, motion_time, trapezoidal_time
-from render.arm.camera_body import CAMERA_BODIES, WRIST_RADIUS
+from render.arm.camera_body import CAMERA_BODIES, WRIST_RADIUS, CameraBody
 from render.arm.solid import Solid
 from scenes.scene import Mesh
 
@@ -149,3 +149,28 @@ def test_surface_points_are_dense():
     points, _ = trimesh.sample.sample_surface(trimesh.Trimesh(block().vertices, block().faces), 2000, seed=1)
     assert solid.samples.query(points)[0].max() < 3 * CLEARANCE
     assert np.percentile(solid.samples.query(points)[0], 95) < CLEARANCE
+
+
+def test_the_outline_follows_the_roll():
+    """On end, clockwise, the D435i's 62.5 mm right of the left imager hang below its axis, upright 12.5 mm do: level at
+    40 mm above the table the one pose is free and the other under it."""
+    level = look_at(np.array([-0.4, 0.0, 0.04]), np.array([0.0, 0.0, 0.04]))
+    thin = SimulatedArm(Solid.from_mesh(block()), body=CameraBody(BODY.box * [1, 1, 0.01]))
+    lowest = [rolled(level, roll).apply(thin.body.corners)[:, 2].min() for roll in (0.0, 90.0, -90.0)]
+    assert lowest == pytest.approx([0.04 - 0.0125, 0.04 - 0.0625, 0.04 - 0.0275])
+    assert [BODY.reach_below(roll) for roll in (0.0, 90.0, -90.0)] == pytest.approx([0.0125, 0.0625, 0.0275])
+
+
+def test_a_rolled_camera_touches_what_an_upright_one_passes():
+    """Looking down 60 mm off a slab's face: the housing reaches 27.5 mm to the left of the left imager and 62.5 mm to
+    its right, so it passes with its left side towards the slab and not with its right one."""
+    slab = SimulatedArm.around(block(size=(0.02, 0.4, 0.3)))
+    beside = look_at(np.array([0.07, 0.0, 0.22]), np.array([0.07, 0.0, 0.0]))  # x axis of the image: world +x
+    assert slab.obstacle(beside) is None
+    assert slab.obstacle(rolled(beside, 180.0)) == "touches part"
+
+
+def test_the_arm_starts_with_the_mount_s_roll():
+    """No time is spent on a turn that the mount has: an upright arm's first move and a rolled one's take as long."""
+    times = [SimulatedArm.around(block(), roll_deg=roll).move_to(rolled(above(0.4), roll)) for roll in (0.0, 90.0)]
+    assert times[0] == pytest.approx(times[1], rel=0.2)

@@ -6,7 +6,7 @@ import pytest
 
 from materials.input_error import InputError
 from render.matcher.d4.settings import D4Settings
-from render.matcher.d400_preset import D400_PRESETS, preset_by_name, preset_from_file
+from render.matcher.d400_preset import D400_PRESETS, load_preset, preset_by_name, preset_from_file
 
 DEFAULT_FILE = {
     "param-leftrightthreshold": "24",
@@ -107,3 +107,43 @@ def test_bad_files_and_names(tmp_path):
         preset_from_file(tmp_path / "text.json")
     with pytest.raises(InputError, match="did you mean high_density"):
         preset_by_name("high densty")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        {"parameters": {"Depth Units": 0.00025, "Laser Power": 91}},
+        {"presets": [{"name": "mine"}], "parameters": {}},
+        {},
+    ],
+)
+def test_files_without_a_known_key_are_refused(tmp_path, content):
+    """An L500's export, say, is no preset of a D400: nothing of it would count, however deep one looks."""
+    with pytest.raises(InputError, match="no key is known"):
+        preset_from_file(write(tmp_path / "l500.json", content))
+
+
+def test_values_are_found_inside_other_objects(tmp_path):
+    """One object with known keys counts wherever it is; of two nobody knows which is meant."""
+    inner = {"param-secondpeakdelta": "647"}
+    assert preset_from_file(write(tmp_path / "w.json", {"presets": [inner]})).settings.second_peak == pytest.approx(
+        D4Settings().second_peak * 647 / 325
+    )
+    with pytest.raises(InputError, match="holds 2 objects with parameters"):
+        preset_from_file(write(tmp_path / "w.json", {"presets": [inner, inner]}))
+
+
+def test_text_without_an_end_is_no_preset(tmp_path):
+    """Nesting beyond what a parser follows is said, not raised."""
+    (tmp_path / "deep.json").write_text("[" * 100_000)
+    with pytest.raises(InputError, match="cannot be read as a preset file"):
+        preset_from_file(tmp_path / "deep.json")
+
+
+def test_matcher_text_says_the_same_again(tmp_path):
+    """The matcher's part of a file, as text, gives the same matcher."""
+    preset = preset_from_file(write(tmp_path / "d.json", DEFAULT_FILE | {"controls-laserpower": 90}))
+    again = load_preset(preset.matcher_text)
+    assert again.settings == preset.settings
+    assert "laser" not in preset.matcher_text
+    assert load_preset(preset_by_name("hand").matcher_text) == preset_by_name("hand")

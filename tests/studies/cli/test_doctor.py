@@ -78,7 +78,7 @@ def test_a_matcher_that_is_off_is_said(monkeypatch: pytest.MonkeyPatch):
 
     class Off:
         def match(self, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-            return np.full(left.shape, doctor.SHIFT + 0.5, np.float32)
+            return np.full(left.shape, doctor.TEST_SHIFT_PX + 0.5, np.float32)
 
     monkeypatch.setattr(doctor, "D4Matcher", Off)
     assert "reinstall numba" in (doctor.matcher().mend or "")

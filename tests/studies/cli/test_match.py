@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from studies.cli.main import main
-from studies.scoring.hole_classes import counted, filled, hidden_from_right, hole_classes
+from studies.scoring.hole_classes import filled, hidden_from_right, hole_classes, scored_pixels
 from studies.scoring.match import HoleScore, fraction_shares, halved, score
 from studies.store.images import read_png, write_png
 from studies.store.stereo_files import ReferenceDepth, read_reference
@@ -61,7 +61,7 @@ def test_classes_split_the_image():
 
 def test_margins_and_left_band_do_not_count():
     """8 px along the border, and the columns that look beyond the right image plus 8 px."""
-    inside = counted(np.full((60, 100), 20.0), 1)
+    inside = scored_pixels(np.full((60, 100), 20.0), 1)
     assert inside[8:-8, 28:-8].all()
     assert inside.sum() == 44 * 64
 
@@ -148,7 +148,7 @@ def test_plane_comes_out_at_its_depth(pair, capsys):
     [
         ({"left": "missing.png"}, "no such file"),
         ({"left": "text.png"}, "cannot be read as an image"),
-        ({"left": "deep.png"}, "16 bits a pixel"),
+        ({"left": "deep.png"}, "more than 10 bits a pixel"),
         ({"left": "colour.png"}, "a colour image"),
         ({"left": "small.png"}, "256x64"),
         ({"right": "left.png"}, "both images are the same"),
@@ -161,6 +161,7 @@ def test_plane_comes_out_at_its_depth(pair, capsys):
         ({"--reference": "missing.png"}, "no such file"),
         ({"--preset": "hihg_accuracy"}, "did you mean high_accuracy"),
         ({"--preset": "missing.json"}, "no such preset file"),
+        ({"--reference-unit": "1000"}, "give it in metres"),
         ({"--out": "missing/depth.png"}, "choose another --out"),
         ({"--matcher": "bm"}, "--matcher"),
     ],
@@ -168,7 +169,7 @@ def test_plane_comes_out_at_its_depth(pair, capsys):
 def test_bad_input_is_one_line(pair, capsys, change, words):
     """Thing, place and mend, exit status 2."""
     (pair / "text.png").write_text("not an image")
-    write_png(pair / "deep.png", np.zeros((64, 256), np.uint16))
+    write_png(pair / "deep.png", np.full((64, 256), 1024, np.uint16))
     write_png(pair / "colour.png", np.random.default_rng(0).integers(0, 255, (64, 256, 3), np.uint8))
     write_png(pair / "small.png", np.zeros((40, 90), np.uint8))
     flags = {"--fx": "427.12", "--baseline": "0.05"}
@@ -179,6 +180,85 @@ def test_bad_input_is_one_line(pair, capsys, change, words):
     assert out == ""
     assert err.count("\n") == 1
     assert words in err
+
+
+def matched(pair: Path, capsys, *flags: str, names=("left.png", "right.png")) -> tuple[dict, str]:
+    """What `--json` prints for a pair in this folder, and what was said on stderr."""
+    assert main(["match", *(str(pair / name) for name in names), *CAMERA, *flags, "--json"]) == 0
+    out, err = capsys.readouterr()
+    return json.loads(out.splitlines()[-1]), err
+
+
+@pytest.mark.parametrize(("bits", "factor", "words"), [(8, 1, "taken as 8 bits"), (10, 4, "scaled from 10 bits to 8")])
+def test_deep_infrared_is_the_same_picture(pair, capsys, bits, factor, words):
+    """Y8 in 16 bits as it is, Y10 four times as much: matched as the 8-bit pair, and one line says so."""
+    plain, silent = matched(pair, capsys)
+    for side in ("left", "right"):
+        write_png(pair / f"{side}{bits}.png", read_png(pair / f"{side}.png").astype(np.uint16) * factor)
+    deep, said = matched(pair, capsys, names=(f"left{bits}.png", f"right{bits}.png"))
+    assert deep["fraction_shares"] == plain["fraction_shares"]
+    assert deep["filled"] == plain["filled"]
+    assert silent == ""
+    assert said.count("\n") == 1
+    assert words in said
+
+
+def with_alpha(image: np.ndarray) -> np.ndarray:
+    """Three equal or own channels and an opaque alpha, red first."""
+    colours = np.dstack([image] * 3) if image.ndim == 2 else image
+    return np.dstack([colours, np.full(image.shape[:2], np.iinfo(image.dtype).max, image.dtype)])
+
+
+def test_alpha_is_dropped(pair, capsys):
+    """A picture in jet colours, and the grey pair, are with an alpha channel what they are without."""
+    jet = np.asarray(cv2.applyColorMap(np.full((64, 256), 120, np.uint8), cv2.COLORMAP_JET))[..., ::-1].copy()
+    jet[20:40, 120:180] = 0
+    write_png(pair / "rgb.png", jet)
+    write_png(pair / "rgba.png", with_alpha(jet))
+    np.testing.assert_array_equal(read_png(pair / "rgba.png")[..., :3], jet)
+    for side in ("left", "right"):
+        write_png(pair / f"{side}_rgba.png", with_alpha(read_png(pair / f"{side}.png")))
+    rgba = ("left_rgba.png", "right_rgba.png")
+    scores = [
+        matched(pair, capsys, "--reference", str(pair / reference), names=names)[0]["score"]["holes"]
+        for reference, names in (("rgb.png", ("left.png", "right.png")), ("rgba.png", rgba))
+    ]
+    assert str(scores[0]) == str(scores[1])
+    assert scores[0]["reference"] == 20 * 60
+
+
+def test_the_reference_is_in_the_preset_s_unit(pair, capsys):
+    """400 mm are 4000 steps of the 100 um that the preset names. In steps of 20 um they are 20000, which read as 100 um
+    are 2 m: 21.356 / 2 px instead of 53, worth a warning."""
+    (pair / "fine.json").write_text(json.dumps({"param-depthunits": "100"}))
+    write_png(pair / "fine.png", np.full((64, 256), 4000, np.uint16))
+    write_png(pair / "coarse.png", np.full((32, 128), 20_000, np.uint16))
+    preset = ["--preset", str(pair / "fine.json"), "--reference"]
+    result, said = matched(pair, capsys, *preset, str(pair / "fine.png"))
+    assert abs(result["score"]["disparity"]["offset_px"]) < 0.1
+    assert said == ""
+    coarse = [*preset, str(pair / "coarse.png")]
+    result, said = matched(pair, capsys, *coarse)
+    assert result["score"]["disparity"]["offset_px"] == pytest.approx(53.39 - 21.356 / 2.0, abs=0.5)
+    assert "is a step of it 0.1 mm? give --reference-unit" in said
+    result, said = matched(pair, capsys, *coarse, "--reference-unit", "0.00002")
+    assert abs(result["score"]["disparity"]["offset_px"]) < 0.1
+    assert said == ""
+
+
+@pytest.mark.parametrize("out", ["left.png", "soft.png", "hard.png", "sub/../right.png", "reference.png", "own.json"])
+def test_no_input_is_overwritten(pair, capsys, out):
+    """Whatever path leads to it: refused before anything is matched or written."""
+    (pair / "sub").mkdir()
+    (pair / "own.json").write_text(json.dumps({"param-secondpeakdelta": 400}))
+    write_png(pair / "reference.png", np.full((64, 256), 400, np.uint16))
+    (pair / "soft.png").symlink_to(pair / "left.png")
+    (pair / "hard.png").hardlink_to(pair / "right.png")
+    before = {path.name: path.read_bytes() for path in pair.iterdir() if path.is_file()}
+    flags = ["--reference", str(pair / "reference.png"), "--preset", str(pair / "own.json"), "--out", str(pair / out)]
+    assert main(["match", str(pair / "left.png"), str(pair / "right.png"), *CAMERA, *flags]) == 2
+    assert "would be lost; choose another --out" in capsys.readouterr().err
+    assert {path.name: path.read_bytes() for path in pair.iterdir() if path.is_file()} == before
 
 
 @pytest.mark.skipif(not REAL.exists(), reason="needs the real D435 pair beside the repository")

@@ -17,7 +17,14 @@ from studies.comparison.cases import RUNS, PlannedRun, jobs, planned_runs, seed_
 from studies.comparison.command import with_named
 from studies.comparison.links import LINKS, arm_name
 from studies.comparison.paper_numbers import ITERATION_S
-from studies.comparison.planning_speed import SPEED, SpeedTask, measure_speed, resampled, stored_bursts, with_voxels
+from studies.comparison.planning_speed import (
+    SPEED,
+    SpeedTask,
+    measure_speed,
+    resampled_burst,
+    stored_bursts,
+    with_voxels,
+)
 from studies.comparison.preset import CORNER, ComparisonPreset
 from studies.comparison.report.page import comparison_html
 from studies.run.ablation import ABLATIONS
@@ -155,7 +162,7 @@ def test_report_command_rebuilds_table_summary_and_page(study: tuple[Path, Compa
     """From the folder alone: a row per run, the agreed JSON, a page that escapes what comes from outside."""
     out, preset = study
     assert main(["report", str(out)]) == 0
-    table = pq.read_table(out / comparison.TABLE).to_pylist()
+    table = pq.read_table(out / comparison.RUNS_TABLE).to_pylist()
     assert [(row["part"], row["arm"], row["run"]) for row in table] == [
         (run.part, run.arm, run.run) for run in planned_runs(preset)
     ]
@@ -213,7 +220,7 @@ def test_finer_sensor_has_the_same_field_of_view(study: tuple[Path, ComparisonPr
     """The edges of the image stay where they are, and the middle of a block of equal depths keeps its direction."""
     out, preset = study
     burst = stored_bursts(out / RUNS / planned_runs(preset)[0].digest, 1)[0]
-    finer = resampled(burst, 180, 120)
+    finer = resampled_burst(burst, 180, 120)
     assert finer.depths.shape == (3, 120, 180)
     assert (finer.depths[:, ::3, ::3] == burst.depths).all()
     assert (finer.depths[:, 2::3, 2::3] == burst.depths).all()

@@ -3,7 +3,7 @@
 import pytest
 
 from studies.comparison.paper_numbers import ITERATION_S, paper_ratio
-from studies.comparison.paper_results import findings
+from studies.comparison.paper_results import paper_findings
 from studies.comparison.preset import CORNER
 from studies.comparison.report.tables import overhead_words
 from studies.comparison.statistics import Comparison
@@ -61,7 +61,7 @@ def test_the_papers_own_numbers_are_found():
         for arm, end in (("fra", 0.7), ("pb", 0.5), ("re", 0.4))
     ]
     comparison = Comparison([*as_in_the_paper().records, *corner])
-    verdicts = {finding.words: finding.verdict for finding in findings(comparison)}
+    verdicts = {finding.words: finding.verdict for finding in paper_findings(comparison)}
     assert set(verdicts.values()) == {FOUND}, verdicts
     assert len(verdicts) == 16
 
@@ -73,7 +73,7 @@ def test_the_contrary_is_not_found():
         made_record(r.part, swap[r.arm], r.run, tuple(r.coverage), "fnn"[: len(r.coverage)])
         for r in as_in_the_paper().records
     ]
-    by_words = {finding.words: finding.verdict for finding in findings(Comparison(records))}
+    by_words = {finding.words: finding.verdict for finding in paper_findings(Comparison(records))}
     assert by_words["On D FRA covers more than PB"] == NOT_FOUND
     assert by_words["On C FRA covers more than PB"] == NOT_FOUND
     assert (
@@ -89,11 +89,11 @@ def test_a_gap_below_the_papers_is_found_in_direction_only():
         for k in range(6)
         for arm, end in (("fra", 0.9), ("pb", 0.8), ("re", 0.7))
     ]
-    by_words = {finding.words: finding.verdict for finding in findings(Comparison(records))}
+    by_words = {finding.words: finding.verdict for finding in paper_findings(Comparison(records))}
     assert by_words["On D FRA covers more than PB"] == DIRECTION
     single = [made_record(arm=arm, coverage=(0.3, end), kinds="fn") for arm, end in (("fra", 0.9), ("pb", 0.5))]
-    assert {f.words: f.verdict for f in findings(Comparison(single))}["On D FRA covers more than PB"] == TOO_FEW
-    words = verdict_words(f.verdict for f in findings(Comparison(single)))
+    assert {f.words: f.verdict for f in paper_findings(Comparison(single))}["On D FRA covers more than PB"] == TOO_FEW
+    words = verdict_words(f.verdict for f in paper_findings(Comparison(single)))
     assert words == "Of 16 statements of the paper: 1 too few runs, 15 cannot be said."
 
 
@@ -160,7 +160,7 @@ def test_a_ratio_of_one_never_agrees_with_more():
         for part in "ABCD"
         for arm, planning in (("fra", 0.72), ("pb", 0.5), ("re", 0.5))
     ]
-    by_words = {finding.words: finding for finding in findings(Comparison(records))}
+    by_words = {finding.words: finding for finding in paper_findings(Comparison(records))}
     fra, re = (by_words[f"Time of an {arm} iteration over that of a PB iteration"] for arm in ("FRA", "RE"))
     assert (fra.ours, fra.verdict) == ("1.11", DIRECTION)
     assert (re.ours, re.verdict) == ("1.00", NOT_FOUND)

@@ -11,14 +11,16 @@ from franbv.voxel_map import empty_map
 from studies.comparison import planning_speed
 from studies.comparison.cases import RUNS, planned_runs
 from studies.comparison.command import speed_job
-from studies.comparison.planning_speed import FEWEST, MOST, SPEED_JOB, SpeedTask, is_measured, median_decision
+from studies.comparison.planning_speed import FEWEST_DECISIONS, MOST, SPEED_JOB, SpeedTask, is_measured, median_decision
 from studies.comparison.preset import ComparisonPreset
 from studies.comparison.report.speed_figure import speed_figure
-from studies.comparison.report.speed_tables import goal_rows, speed_rows, speed_words
+from studies.comparison.report.speed_tables import speed_goal_rows, speed_rows, speed_words
 from tests.studies.comparison.made_speed import made_speed, with_goals
 
 
-@pytest.mark.parametrize(("seconds", "count"), [(5.0, FEWEST), (0.4, FEWEST), (0.1, 10), (0.001, MOST)])
+@pytest.mark.parametrize(
+    ("seconds", "count"), [(5.0, FEWEST_DECISIONS), (0.4, FEWEST_DECISIONS), (0.1, 10), (0.001, MOST)]
+)
 def test_decisions_are_repeated_for_a_second(monkeypatch: pytest.MonkeyPatch, seconds: float, count: int):
     """Long ones three times, short ones until a second is full, the shortest thirty times."""
     made = []
@@ -38,7 +40,7 @@ def test_decisions_are_repeated_for_a_second(monkeypatch: pytest.MonkeyPatch, se
 
 def test_goals_hold_at_their_limits_and_not_beyond():
     """0.6 s over 4 ms is 150 times, 75 and 300 on the other maps; PB takes 10 + 10 + 20 + 1 + 2 = 43 ms."""
-    fast, slow = goal_rows(with_goals()), goal_rows(with_goals(plain_view_s=0.19, map_s=0.068))
+    fast, slow = speed_goal_rows(with_goals()), speed_goal_rows(with_goals(plain_view_s=0.19, map_s=0.068))
     assert [row["holds"] for row in fast] == [True, True]
     assert "150 times; 75 to 300 over the maps" in fast[0]["measured"]
     assert fast[1]["measured"] == "0.043 s"

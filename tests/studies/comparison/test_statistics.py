@@ -12,7 +12,7 @@ from studies.comparison.report.sentences import link_words
 from studies.comparison.report.tables import arm_rows, loss_rows
 from studies.comparison.statistics import Comparison
 from studies.comparison.view_increments import binned_increments, recovery_advantage
-from studies.drawing.cells import change, spread
+from studies.drawing.cells import mean_and_range, signed
 from tests.studies.comparison.comparison_records import made_record
 
 EXPOSURE_S = 0.5
@@ -148,15 +148,15 @@ def test_a_single_run_has_no_interval():
     """Said in words instead of brackets that look like certainty."""
     records = [made_record(arm=arm, coverage=(0.3, end), kinds="fn") for arm, end in (("fra", 0.9), ("pb", 0.8))]
     assert points(Comparison(records).difference("D", "fra", "pb")) == "+10.0 points (one run)"
-    assert spread(Comparison(records).figure("D", "fra", "coverage_5mm"), 100, ".1f") == "90.0"
+    assert mean_and_range(Comparison(records).figure("D", "fra", "coverage_5mm"), 100, ".1f") == "90.0"
 
 
 def test_cells_have_their_interval_below_and_real_minus_signs():
     """Differences of -10 and +10 points: the mean is 0 without a sign of its own, the range of two runs their ends."""
     records = [made_record(arm="fra", run=k, coverage=(0.1, end), kinds="fn") for k, end in ((0, 0.4), (1, 0.6))]
     records += [made_record(arm="pb", run=k, coverage=(0.1, 0.5), kinds="fn") for k in (0, 1)]
-    assert change(Comparison(records).difference("D", "fra", "pb")) == "+0.0<small>\u221210.0 to +10.0</small>"
-    assert change(None) == "n/a"
+    assert signed(Comparison(records).difference("D", "fra", "pb")) == "+0.0<small>\u221210.0 to +10.0</small>"
+    assert signed(None) == "n/a"
 
 
 def test_only_fra_has_recoveries_to_count():

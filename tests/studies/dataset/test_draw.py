@@ -10,7 +10,7 @@ from scipy.spatial.transform import RigidTransform
 from materials.material import Matte, RoughConductor
 from studies.dataset.config import Camera, DatasetConfig, load_dataset_config
 from studies.dataset.draw.built_scene import BUILT_IN_CLASSES, build_scene
-from studies.dataset.draw.draw import CLEARANCE, draw_scene, drawn_exposure
+from studies.dataset.draw.draw import CAMERA_CLEARANCE, draw_scene, drawn_exposure
 from studies.dataset.draw.objects import object_pool
 from studies.dataset.draw.weighted_draw import drawn_material, log_uniform, pick
 from studies.dataset.make.manifest import head, measured_digests, recorded
@@ -63,7 +63,7 @@ def test_things_rest_and_the_camera_is_clear_of_them():
             assert eye[2] > 0
             for low, high in boxes:
                 outside = np.linalg.norm(np.maximum(np.maximum(low - eye, eye - high), 0))
-                assert outside >= CLEARANCE - 1e-9
+                assert outside >= CAMERA_CLEARANCE - 1e-9
 
 
 def test_materials_of_the_user_are_drawn(small_config: Path, tmp_path: Path):

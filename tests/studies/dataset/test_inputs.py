@@ -65,6 +65,14 @@ def test_check_says_when_it_is_given_another_file(small_config: Path, tmp_path: 
         pool_of(root, config)
 
 
+def test_a_dataset_that_cannot_be_read_is_left_to_the_check(small_config: Path, tmp_path: Path):
+    """Without a readable `dataset.json` there is nothing to hold CAD files against; the check then names that file."""
+    config, root = of_block(small_config, tmp_path, (40, 30, 20)), tmp_path / "out"
+    root.mkdir()
+    (root / "dataset.json").write_text("no table of names")
+    assert pool_of(root, config) == object_pool(config)
+
+
 @pytest.mark.parametrize("size_mm", [(900, 700, 5), (2, 2, 50)])
 def test_what_no_pile_holds_lies_alone(small_config: Path, tmp_path: Path, size_mm: tuple[float, float, float]):
     """Wider than the table's map, or too thin to be sure that it stands: one object, the others counted as left out."""

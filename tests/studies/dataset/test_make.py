@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from materials.input_error import InputError
 from studies.cli.main import main
 from studies.dataset.config import load_dataset_config
 from studies.dataset.draw.draw import draw_scene
@@ -18,7 +17,6 @@ from studies.dataset.format import folders
 from studies.dataset.format.scene_files import scene_fault
 from studies.dataset.make import command as make
 from studies.dataset.make.manifest import dataset_digest
-from studies.dataset.make.resume import agreed_maker
 
 
 def contents(root: Path) -> dict[str, bytes]:
@@ -108,15 +106,6 @@ def test_scenes_of_other_versions_are_not_added_to(
     assert main(["dataset", "make", str(small_config), str(copy), "--workers", "1"]) == 2
     assert f"has numpy 1.0, not the {np.__version__} of this machine" in capsys.readouterr().err
     assert contents(copy) == before
-
-
-def test_makers_must_agree():
-    """Nobody, one, two alike, and a second one with another renderer."""
-    cpu, gpu = ({"renderer": name, "versions": {"numpy": "2.0"}} for name in ("llvm", "cuda"))
-    assert agreed_maker([]) is None
-    assert agreed_maker([("a", cpu), ("b", dict(cpu))]) == cpu
-    with pytest.raises(InputError, match="a has renderer llvm, not the cuda of c"):
-        agreed_maker([("a", cpu), ("b", cpu), ("c", gpu)])
 
 
 def test_a_scene_is_made_again_to_the_byte(small_config: Path, small_dataset: Path, tmp_path: Path):
@@ -257,7 +246,7 @@ def test_a_full_or_read_only_disk_is_one_line(
     def fail(*_: object) -> None:
         raise OSError(number, os.strerror(number))
 
-    monkeypatch.setattr("studies.base.case_folder.os.replace", fail)
+    monkeypatch.setattr("studies.base.atomic_file.os.replace", fail)
     assert main(["dataset", "make", str(small_config), str(tmp_path / "out")]) == 2
     assert ("the disk is full" if number == errno.ENOSPC else "read-only") in capsys.readouterr().err
     assert [path for path in (tmp_path / "out").rglob("*") if path.is_file()] == []
@@ -269,7 +258,7 @@ def test_a_full_disk_in_a_scene_leaves_nothing_half_written(tmp_path: Path, monk
     def fail(_: Path) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(folders, "flush_tree", fail)
+    monkeypatch.setattr("studies.base.atomic_file.flush_tree", fail)
     with (
         pytest.raises(folders.InputError, match="the disk is full"),
         folders.written_whole(tmp_path, tmp_path / "train/000000") as folder,

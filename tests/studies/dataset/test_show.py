@@ -14,7 +14,7 @@ from studies.cli.main import main
 from studies.dataset.card.factors import factors, finish_shares
 from studies.dataset.check.command import dataset_problems
 from studies.dataset.config import Materials
-from studies.dataset.format.finished_scenes import gather
+from studies.dataset.format.finished_scenes import gather_scenes
 from studies.dataset.format.statistics import FALSE_DEPTH
 from studies.dataset.show.command import made_of
 
@@ -106,7 +106,7 @@ def test_the_card_explains_itself(small_dataset: Path):
 
 def test_declared_shares_stand_beside_the_observed(small_dataset: Path):
     """Weights over their sum; parts of a range alike, elevation by the area of its ring on the sphere."""
-    found = {factor.name: factor for factor in factors(gather(small_dataset))}
+    found = {factor.name: factor for factor in factors(gather_scenes(small_dataset))}
     assert found["arrangement"].declared == pytest.approx({"pile": 0.7, "single": 0.3})
     assert list(found["distance [m]"].declared.values()) == pytest.approx([1 / 8] * 8)
     edges = np.sin(np.radians(np.linspace(35, 70, 9)))

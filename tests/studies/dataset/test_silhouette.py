@@ -9,7 +9,7 @@ from materials.material import Matte
 from render.world.mitsuba_scene import LoadedScene, load_scene
 from scenes.primitives import box, moved
 from scenes.scene import Body, Scene
-from studies.dataset.make.view import NO_BOX, bounding_box, silhouette
+from studies.dataset.make.view import NO_BOX, bounding_box, object_silhouette
 
 K = Intrinsics(64, 48, 50.0, 50.0, 31.5, 23.5)
 """The camera stands at the origin and looks along z."""
@@ -37,7 +37,7 @@ def seen_alone(u: float, v: float) -> tuple[LoadedScene, np.ndarray]:
 def test_on_all_sides_of_the_image(u: float, v: float):
     """Box and count go beyond the image, the mask is what is inside; the front face lies in it."""
     world, front = seen_alone(u, v)
-    whole = silhouette(world, K, RigidTransform.identity(), front)
+    whole = object_silhouette(world, K, RigidTransform.identity(), front)
     assert np.all(whole.mask[front])
     x, y, w, h = whole.box if front.any() else (0, 0, 0, 0)
     inside = np.count_nonzero(whole.mask)
@@ -54,7 +54,7 @@ def test_on_all_sides_of_the_image(u: float, v: float):
 
 def test_what_is_hidden_has_no_box():
     """As BOP writes it; its pixels are counted all the same."""
-    whole = silhouette(cube(32, 24), K, RigidTransform.identity(), np.zeros((K.height, K.width), bool))
+    whole = object_silhouette(cube(32, 24), K, RigidTransform.identity(), np.zeros((K.height, K.width), bool))
     assert whole.box == NO_BOX
     assert whole.pixels == np.count_nonzero(whole.mask) >= 121
 
@@ -62,10 +62,10 @@ def test_what_is_hidden_has_no_box():
 def test_a_pixel_that_only_the_whole_scene_shows_counts():
     """One more pixel beside the silhouette: mask, box and count hold it."""
     world, front = seen_alone(32, 24)
-    without = silhouette(world, K, RigidTransform.identity(), front)
+    without = object_silhouette(world, K, RigidTransform.identity(), front)
     x, y, w, h = without.box
     front[y + h // 2, x + w] = True
-    whole = silhouette(world, K, RigidTransform.identity(), front)
+    whole = object_silhouette(world, K, RigidTransform.identity(), front)
     assert whole.mask[y + h // 2, x + w]
     assert whole.pixels == without.pixels + 1 == np.count_nonzero(whole.mask)
     assert whole.box == (x, y, w + 1, h)

@@ -16,7 +16,7 @@ from franbv.voxel_map import empty_map
 from studies.base.case_folder import case_digest
 from studies.cli.main import main
 from studies.run.ablation import ABLATIONS, Ablation, build_planner
-from studies.run.run_case import COMMAND, RunSettings, ablated
+from studies.run.run_case import RUN_COMMAND, RunSettings, ablated
 from studies.run.stored_run import StoredRun
 from tests.studies.run.analytic_ball import reconstruct_ball
 
@@ -53,9 +53,9 @@ def test_equal_runs_have_equal_names():
     """The flag of the ablation and the flag of the parameter lead to one case; a left-out filter leads to another."""
     by_flag = ablated(RunSettings(ablation=Ablation(n_frames=5, random_order=True)))
     by_number = ablated(RunSettings(parameters=Parameters(n_frames=5, recovery_order="random")))
-    assert case_digest(COMMAND, by_flag) == case_digest(COMMAND, by_number)
+    assert case_digest(RUN_COMMAND, by_flag) == case_digest(RUN_COMMAND, by_number)
     other = ablated(RunSettings(ablation=Ablation(without_filter="erosion")))
-    assert case_digest(COMMAND, other) != case_digest(COMMAND, ablated(RunSettings()))
+    assert case_digest(RUN_COMMAND, other) != case_digest(RUN_COMMAND, ablated(RunSettings()))
     assert ablated(by_flag) == by_flag
 
 

@@ -12,11 +12,12 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from studies.base.case_folder import finished_case, writing
 from studies.base.config import Config
 from studies.base.single_case import made_once
-from studies.run.acquisition_table import COLUMNS, write_table
+from studies.run.acquisition_table import ACQUISITION_COLUMNS
 from studies.run.bursts import stored_depths
 from studies.run.recorder import timing_figures
 from studies.run.stored_run import StoredRun
 from studies.store.ply import read_ply, write_ply
+from studies.store.tables import write_rows
 from tests.studies.run.analytic_ball import CENTRE, RADIUS, Ball, ball_depth, ball_reference, reconstruct_ball
 
 TIMED = {"timings.json", "report.html"}
@@ -88,8 +89,10 @@ def test_stored_bursts_are_what_the_camera_gave(case: Path):
 def test_table_has_the_schema_and_its_meanings(case: Path):
     """Names, order, types and meanings are those of the one list; every row is filled where its kind demands."""
     table = pq.read_table(case / "acquisitions.parquet")
-    assert table.schema.names == [column.name for column in COLUMNS]
-    assert all((table.schema.field(c.name).metadata or {})[b"meaning"].decode() == c.meaning for c in COLUMNS)
+    assert table.schema.names == [column.name for column in ACQUISITION_COLUMNS]
+    assert all(
+        (table.schema.field(c.name).metadata or {})[b"meaning"].decode() == c.meaning for c in ACQUISITION_COLUMNS
+    )
     rows = table.to_pylist()
     assert [row["acquisition"] for row in rows] == list(range(len(rows)))
     assert [row["kind"] == "recovery" for row in rows] == [row["gamma"] is not None for row in rows]
@@ -105,7 +108,7 @@ def test_table_has_the_schema_and_its_meanings(case: Path):
 def test_unknown_column_is_an_error(tmp_path: Path):
     """A misspelt name must not vanish."""
     with pytest.raises(ValueError, match="coverge"):
-        write_table(tmp_path / "t.parquet", [{"acquisition": 0, "coverge": 1.0}])
+        write_rows(tmp_path / "t.parquet", ACQUISITION_COLUMNS, [{"acquisition": 0, "coverge": 1.0}])
 
 
 def test_coverage_is_that_of_brute_force(case: Path):

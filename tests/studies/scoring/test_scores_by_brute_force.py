@@ -17,7 +17,7 @@ from studies.scoring.recovery import State, ViewGain, burst_points, score_recove
 from studies.sensitivity.cases import CaseConfig, plain_paths, sweep_cases
 from studies.sensitivity.planning import Planned, first_look, signalled_surface
 from studies.sensitivity.preset import SensitivityPreset, Sweep
-from studies.sensitivity.views import LabelledView, labelled_views
+from studies.sensitivity.views import LitView, lit_views
 from tests.studies.scoring import brute_force_scores as brute
 
 pytestmark = pytest.mark.slow
@@ -30,7 +30,7 @@ SWEEPS = (
     Sweep(name="parts", subjects=("C", "D"), materials=("own",)),
 )
 """Ten frames: five surfaces, four shapes, with regions and without."""
-Frame = tuple[CaseConfig, LabelledView, Planned]
+Frame = tuple[CaseConfig, LitView, Planned]
 
 
 @cache
@@ -43,7 +43,7 @@ def frames() -> list[Frame]:
 
 def _frames(configs: list[CaseConfig], twins: Path) -> Iterator[Frame]:
     for config in configs:
-        for view in labelled_views(config, twins):
+        for view in lit_views(config, twins):
             yield config, view, first_look(view.measurement.burst, config.parameters, config.seed)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from materials.catalog import material, metal_names
 from materials.material import RoughConductor
 from render.labels.causes import HOLES
-from studies.sensitivity.columns import FALSE_DEPTHS, STAGES, cause_column
+from studies.sensitivity.columns import DETECTOR_STAGES, FALSE_DEPTHS, cause_column
 from studies.sensitivity.measurement import CASES, RESULT
 from studies.sensitivity.plan import write_plan
 from studies.sensitivity.preset import SensitivityPreset, Sweep
@@ -122,7 +122,7 @@ def _detection(rng: np.random.Generator, alpha: float) -> dict[str, Any]:
         "reflective": true, "fine_holes": 65 * true, "hidden_holes": 20 * true, "holes_made_false": 9 * true,
         "hidden_false": 5, "fine_false": 50,
     }  # fmt: skip
-    for stage in STAGES:
+    for stage in DETECTOR_STAGES:
         row |= {f"found_{stage}": found, f"right_{stage}": right}
         right = int(right * (0.6 + 0.4 * rng.random()))
         found = right + max(0, found - true) // 2

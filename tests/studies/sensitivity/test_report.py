@@ -15,7 +15,7 @@ from studies.cli.main import main
 from studies.sensitivity.columns import cause_column
 from studies.sensitivity.plan import read_plan
 from studies.sensitivity.report.page import rebuild
-from studies.sensitivity.tables import gather, main_rows, summary
+from studies.sensitivity.tables import gather_tables, main_rows, study_summary
 from studies.sensitivity.trust import angle_words, distrusts, metal_words, surface
 from tests.studies.browser import CHROMIUM, visit
 from tests.studies.sensitivity.synthetic_study import ANGLES, FINISHES, write_study
@@ -130,16 +130,16 @@ def test_summary_counts_a_shared_case_once(tmp_path: Path):
     """A case that two sweeps asked for has rows for both in the tables, but is summed up once."""
     write_study(tmp_path, ("iron",), ("polished",))
     cases = read_plan(tmp_path).cases
-    once = summary(gather(tmp_path, cases))
-    twice = gather(tmp_path, (*cases, ("again", cases[0][1])))
-    assert summary(twice) == once
-    assert len(twice.views) == len(gather(tmp_path, cases).views) + 1
+    once = study_summary(gather_tables(tmp_path, cases))
+    twice = gather_tables(tmp_path, (*cases, ("again", cases[0][1])))
+    assert study_summary(twice) == once
+    assert len(twice.views) == len(gather_tables(tmp_path, cases).views) + 1
 
 
 def test_list_of_distrust_names_what_fails(study: Path):
     """Polished surfaces of the made-up study lose detector and depth, blasted ones nothing: each rule that is broken
     stands there, with the counts of combinations, and no other."""
-    main_views = main_rows(gather(study, read_plan(study).cases))
+    main_views = main_rows(gather_tables(study, read_plan(study).cases))
     found = distrusts(main_views)
     assert {distrust.surface for distrust in found if distrust.subject == "plate"} >= {"mirror", "polished"}
     assert not any(distrust.surface == "blasted" for distrust in found)

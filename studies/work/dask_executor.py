@@ -1,7 +1,7 @@
-"""The same scenes on Dask workers: each scene is one task, tried again elsewhere when it fails, then reported.
+"""The same jobs on Dask workers: each is one task, tried again elsewhere when it fails, then reported.
 
-Every worker must reach the dataset's folder under the same path (a shared file system). `dask worker --nthreads 1`
-wants no more threads: one process renders one scene at a time. `--lifetime 1h --lifetime-restart` recycles workers.
+Every worker must reach the study's folder under the same path (a shared file system). `dask worker --nthreads 1` wants
+no more threads: one process does one job at a time. `--lifetime 1h --lifetime-restart` recycles workers.
 """
 
 import contextlib
@@ -17,7 +17,8 @@ from typing import Any, cast
 from materials.input_error import InputError
 from studies.base.console import progress_bar
 from studies.base.output_errors import FutileError
-from studies.work.worker_process import THREAD_VARIABLES, one_line
+from studies.work.maker import Maker, maker
+from studies.work.worker_process import THREAD_VARIABLES, exception_line
 from studies.work.workers import MOST_TRIES, Failure, Job, limit_renderer
 
 CONNECT_S = 10
@@ -29,7 +30,7 @@ _ONE_AT_A_TIME = threading.Lock()
 
 
 @dataclass(frozen=True)
-class Cluster:
+class DaskExecutor:
     """Workers of a scheduler that answers."""
 
     client: Any
@@ -47,7 +48,7 @@ class Cluster:
 
     def check_folder(self, folder: Path) -> None:
         """InputError unless every worker reads in this folder what is written here."""
-        token, path = secrets.token_hex(16), folder / f"token-{secrets.token_hex(8)}"
+        token, path = secrets.token_hex(16), folder / f".token-{secrets.token_hex(8)}"
         path.write_text(token)
         try:
             seen = cast(dict[str, str | None], self.client.run(_read, str(path), workers=list(self.workers)))
@@ -55,7 +56,7 @@ class Cluster:
             path.unlink()
         if any(text != token for text in seen.values()):
             raise InputError(
-                f"{folder.parent}: a worker of {self.address} does not see this folder; put it on a shared file system"
+                f"{folder}: a worker of {self.address} does not see this folder; put it on a shared file system"
             )
 
     def answers(self, question: Callable[[], Any]) -> dict[str, Any]:
@@ -70,43 +71,64 @@ class Cluster:
             wait(list(futures.values()), timeout=ANSWER_S)
         for worker, future in futures.items():
             if future.status == "error":
-                raise InputError(f"worker {worker}: cannot render ({one_line(future.exception())})")
+                raise InputError(f"worker {worker}: cannot render ({exception_line(future.exception())})")
         self.client.cancel([future for future in futures.values() if future.status != "finished"])
         return {worker: future.result() for worker, future in futures.items() if future.status == "finished"}
 
-    def run(self, jobs: Sequence[Job], tell: Callable[[Failure], None] = lambda _: None) -> list[Failure]:
-        """Do the jobs; returns those that were given up, each of them told as soon as it is."""
-        from distributed import as_completed
+    def makers(self) -> dict[str, Maker]:
+        """What makes results on the workers that answer, by their address."""
+        return {f"worker {address}": found for address, found in self.answers(maker).items()}
 
-        names = {}
-        for job in jobs:
-            future = self.client.submit(
-                _do, job.work, job.argument, key=f"{job.name}-{os.urandom(8).hex()}", pure=False,
-                resources=self.limits, retries=MOST_TRIES - 1,
-            )  # fmt: skip
-            names[future] = job.name
-        failures, waiting = [], dict.fromkeys(names)
+    def run(
+        self,
+        stages: Sequence[Sequence[Job]],
+        already_done: int = 0,
+        tell: Callable[[Failure], None] = lambda _: None,
+    ) -> list[Failure]:
+        """Do the jobs, stage after stage; returns those that were given up, each of them told as soon as it is."""
+        failures: list[Failure] = []
         with progress_bar() as progress:
-            task = progress.add_task("on the cluster", total=len(jobs))
-            for future in as_completed(list(names), loop=self.client.loop):
-                progress.update(task, advance=1)
-                del waiting[future]
-                if future.status == "finished":
-                    continue
-                error, futile = future.exception(), isinstance(future.exception(), FutileError)
-                given_up = [future, *waiting] if futile else [future]
-                reason = one_line(error) if error else f"the scheduler at {self.address} was lost"
-                failures += [Failure(names[one], reason, futile) for one in given_up]
-                for failure in failures[-len(given_up) :]:
+            task = progress.add_task("on Dask", total=already_done + sum(map(len, stages)), completed=already_done)
+
+            def show(name: str) -> None:
+                progress.update(task, description=name, advance=1)
+
+            for jobs in stages:
+                for failure in self._stage(jobs, show):
+                    failures.append(failure)
                     tell(failure)
-                if futile:
-                    self.client.cancel(list(waiting))
+                if any(failure.futile for failure in failures):
                     break
         return failures
 
+    def _stage(self, jobs: Sequence[Job], show: Callable[[str], None]) -> Iterator[Failure]:
+        """Do the jobs of one stage; yields those that are given up. A futile one takes all that wait with it."""
+        from distributed import as_completed
+
+        names = {
+            self.client.submit(
+                _do, job.work, job.argument, key=f"{job.name}-{os.urandom(8).hex()}", pure=False,
+                resources=self.limits, retries=MOST_TRIES - 1,
+            ): job.name
+            for job in jobs
+        }  # fmt: skip
+        waiting = dict.fromkeys(names)
+        for future in as_completed(list(names), loop=self.client.loop):
+            show(names[future])
+            del waiting[future]
+            if future.status == "finished":
+                continue
+            error = future.exception()
+            futile = isinstance(error, FutileError)
+            reason = exception_line(error) if error else f"the scheduler at {self.address} was lost"
+            yield from (Failure(names[one], reason, futile) for one in ([future, *waiting] if futile else [future]))
+            if futile:
+                self.client.cancel(list(waiting))
+                return
+
 
 @contextlib.contextmanager
-def connected(address: str, resource: str | None) -> Iterator[Cluster]:
+def dask_executor(address: str, resource: str | None) -> Iterator[DaskExecutor]:
     """The workers of the scheduler at `address`; InputError where none answers or none has the resource."""
     try:
         from distributed import Client
@@ -131,7 +153,7 @@ def connected(address: str, resource: str | None) -> Iterator[Cluster]:
             raise InputError(
                 f"--resource {resource}: no worker of {address} has it; start one with `--resources {resource}=1`"
             )
-        yield Cluster(client, address, resource, able)
+        yield DaskExecutor(client, address, resource, able)
 
 
 def _read(path: str) -> str | None:

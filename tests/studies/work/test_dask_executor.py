@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.work.cluster import connected
+from studies.work.dask_executor import dask_executor
 from studies.work.workers import Failure, Job
 from tests.studies.work import jobs
 
@@ -19,9 +19,9 @@ def test_jobs_fail_alone(tmp_path: Path):
     bad, shaky = Job("bad", jobs.complain, tmp_path / "bad"), Job("shaky", jobs.abort_once, tmp_path / "shaky")
     with (
         LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", resources={"GPU": 1}) as cluster,
-        connected(cluster.scheduler_address, "GPU") as crew,
+        dask_executor(cluster.scheduler_address, "GPU") as crew,
     ):
-        failures = crew.run([*work, bad, shaky])
+        failures = crew.run([[*work, bad], [shaky]])
     assert failures == [Failure("bad", "ValueError: no such thing")]
     assert (tmp_path / "bad").read_text() == "xx"
     assert {path.name for path in tmp_path.iterdir()} == {"0", "1", "2", "bad", "shaky", "shaky.tried"}
