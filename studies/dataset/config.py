@@ -256,7 +256,8 @@ class DatasetConfig(Config):
         if p.distance_m[0] * math.sin(math.radians(p.elevation_deg[0])) - p.aim_m < least_height:
             raise ValueError(
                 f"poses: from {p.distance_m[0]:g} m at {p.elevation_deg[0]:g} deg, aimed {p.aim_m:g} m too low, the "
-                f"camera is in the table ({least_height:g} m of it are below its axis); raise distance_m or elevation_deg, or lower aim_m"
+                f"camera is in the table ({least_height:g} m of it are below its axis); raise distance_m or "
+                "elevation_deg, or lower aim_m"
             )
         return self
 
