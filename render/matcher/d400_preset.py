@@ -124,7 +124,7 @@ def preset_by_name(name: str) -> D400Preset:
     """One of the viewer's presets; upper case, blanks and dashes do not matter."""
     key = name.strip().lower().replace(" ", "_").replace("-", "_")
     if key not in D400_PRESETS:
-        raise InputError(f"preset {name!r}: unknown; {suggest(key, D400_PRESETS)}, or give a JSON file")
+        raise InputError(f"preset {name!r}: unknown, and a file ends in .json; {suggest(key, D400_PRESETS)}")
     return D400Preset(key, _settings(D400_PRESETS[key]))
 
 

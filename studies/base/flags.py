@@ -82,6 +82,7 @@ def _without_pydantic(text: str) -> str:
         where = f"--{'.'.join(parents)}.*: " if parents else ""
         return where + problem.removeprefix("Value error, ")
     field, problem = problem.split(" ", maxsplit=1)
+    problem = problem.removeprefix("Value error, ")
     return f"--{'.'.join([*parents, field]).replace('_', '-')} {value}: {problem[0].lower()}{problem[1:]}"
 
 
