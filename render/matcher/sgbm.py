@@ -8,16 +8,13 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float32, UInt8
 
-from render.matcher.interface import N_DISPARITIES, StereoMatcher, Window
+from render.matcher.interface import N_DISPARITIES, PATH_MARGIN, StereoMatcher, Window
 
 OPENCV_STEPS = 16
 """StereoSGBM returns int16 disparities in 1/16 px, a subset of the interface's 1/32 px grid."""
 
 OPENCV_MULTIPLE = 16
 """StereoSGBM searches whole multiples of 16 disparities; what is beyond the wanted ones is thrown away."""
-
-PATH_MARGIN = 48
-"""Pixels matched around a window so that the optimisation's paths have settled where it begins [px]; choice."""
 
 
 @dataclass(frozen=True)

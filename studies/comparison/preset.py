@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from franbv.parameters import Parameters
+from franbv.parameters import Count, Parameters
 from materials.suggestion import suggest
 from render.d435i import SensorSettings
 from scenes.parts import PART_NAMES
@@ -15,8 +15,6 @@ from studies.run.scene_settings import check_sensor
 
 CORNER = "inside_corner"
 """The subject whose faces mirror each other."""
-
-Count = Annotated[int, Field(ge=1)]
 
 
 class ComparisonPreset(Preset):

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import AfterValidator, Field, model_validator
 
+from franbv.parameters import Share
 from materials.catalog import finish_names, material_names, metal_names
 from materials.suggestion import suggest
 from materials.user_materials import UserEntry, UserMaterials, checked_entry
@@ -40,8 +41,7 @@ def _ordered(limits: tuple[float, float]) -> tuple[float, float]:
 
 Weights = Annotated[dict[str, Annotated[float, Field(ge=0)]], AfterValidator(_weighted)]
 """Name -> how often it is drawn, relative to the others."""
-Share = Annotated[float, Field(ge=0, le=1)]
-Count = Annotated[int, Field(ge=1, le=1_000_000)]
+UpToAMillion = Annotated[int, Field(ge=1, le=1_000_000)]
 Things = Annotated[int, Field(ge=0, le=20)]
 """Of one sort on the table (choice: more find no place on it)."""
 Side = Annotated[float, Field(ge=0.001, le=0.2)]
@@ -176,7 +176,7 @@ class DatasetConfig(Config):
 
     title: str
     seed: Annotated[int, Field(ge=0)] = 0
-    views: Count = 1000
+    views: UpToAMillion = 1000
     n_frames: Annotated[int, Field(ge=1, le=100)] = 1
     """Depth frames of a view; more than one give the median depth and how often each pixel had none."""
     keep_frames: bool = False

@@ -19,7 +19,7 @@ from studies.run.acquisition_table import ACQUISITION_COLUMNS
 from studies.run.bursts import KeptCaptures
 from studies.run.recorder import RunRecorder, cloud_owner, run_summary, surface_arrays, timing_figures
 from studies.run.report.page import write_report
-from studies.run.stored_run import CLOUD, FILTERED_CLOUD, RUN, SURFACE, TABLE, TIMINGS
+from studies.run.stored_run import ACQUISITIONS, CLOUD, FILTERED_CLOUD, RUN, SURFACE, TIMINGS
 from studies.store.ply import write_ply
 from studies.store.tables import write_rows
 from studies.store.views import write_arrays, write_view
@@ -101,7 +101,7 @@ def write_result(
     write_ply(folder / CLOUD, result.cloud, owner)
     write_ply(folder / FILTERED_CLOUD, result.cloud[result.is_mapped], owner[result.is_mapped])
     write_arrays(folder / SURFACE, surface_arrays(reference, recorder))
-    write_rows(folder / TABLE, ACQUISITION_COLUMNS, recorder.finished_rows(past))
+    write_rows(folder / ACQUISITIONS, ACQUISITION_COLUMNS, recorder.finished_rows(past))
     facts: dict[str, Any] = {
         "command": RUN_COMMAND,
         "case": case_digest(RUN_COMMAND, config),

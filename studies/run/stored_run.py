@@ -16,7 +16,7 @@ from studies.store.ply import read_ply
 from studies.store.tables import read_rows
 from studies.store.views import StoredView, read_arrays, read_view
 
-RUN, TIMINGS, TABLE, CLOUD, FILTERED_CLOUD, SURFACE, REPORT = (
+RUN, TIMINGS, ACQUISITIONS, CLOUD, FILTERED_CLOUD, SURFACE, REPORT = (
     "run.json",
     "timings.json",
     "acquisitions.parquet",
@@ -47,7 +47,7 @@ class StoredRun:
     @cached_property
     def rows(self) -> list[dict[str, Any]]:
         """The table of acquisitions."""
-        return read_rows(self.folder / TABLE)
+        return read_rows(self.folder / ACQUISITIONS)
 
     @cached_property
     def surface(self) -> tuple[Float[np.ndarray, "m 3"], Int[np.ndarray, "m"]]:
