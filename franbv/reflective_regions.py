@@ -104,7 +104,8 @@ FILTERS: tuple[Filter, ...] = (persistent_invalid, inside_silhouette, inside_ero
 def first_hit_is_frontier(view: View, pixels: Bool[np.ndarray, "h w"]) -> Float[np.ndarray, "n 3"]:
     """Fourth filter: where a pixel's ray first meets an ellipsoid, if that one stands for frontier voxels."""
     points, first = first_hits(view, pixels)
-    points[~view.ellipsoids.is_frontier[first]] = np.nan
+    is_frontier = np.append(view.ellipsoids.is_frontier, False)  # the last one stands for no ellipsoid
+    points[~is_frontier[first]] = np.nan
     return points
 
 
@@ -114,10 +115,10 @@ def first_hit_of_any(view: View, pixels: Bool[np.ndarray, "h w"]) -> Float[np.nd
 
 
 def first_hits(view: View, pixels: Bool[np.ndarray, "h w"]) -> tuple[Float[np.ndarray, "n 3"], Int[np.ndarray, "n"]]:
-    """World points [m] where the pixels' rays first meet an ellipsoid (NaN: nowhere), and its index; eq. (9)."""
+    """World points [m] where pixels' rays first meet an ellipsoid (NaN: nowhere) and its index (-1: none); eq. (9)."""
     rays = view.burst.intrinsics.pixel_directions()[pixels]
     if len(rays) == 0 or len(view.ellipsoids) == 0:
-        return np.full((len(rays), 3), np.nan), np.zeros(len(rays), int)
+        return np.full((len(rays), 3), np.nan), np.full(len(rays), -1)
     depths = first_hit_depths(rays, *in_camera_frame(view.ellipsoids, view.burst.T_world_cam))
     depth = depths.min(axis=0)
     depth[np.isinf(depth)] = np.nan

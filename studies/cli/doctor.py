@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,6 +35,13 @@ RENDER_TIMEOUT = 300.0
 
 TEST_SHIFT_PX = 20
 """Disparity of the matcher's test pair [px]: choice, in the middle of the usual ones."""
+
+
+BROKEN_INSTALLATION = (ImportError, OSError, subprocess.SubprocessError)
+"""What a package raises that is not whole."""
+FOREIGN = ("numba", "llvmlite", "drjit", "mitsuba")
+"""Packages whose own errors speak of themselves."""
+REINSTALL = "reinstall the packages: `make setup` in the repository, or pip install --force-reinstall franbv"
 
 
 @dataclass(frozen=True)
@@ -173,8 +181,11 @@ def _guarded(check: Callable[[], Check]) -> Check:
         return check()
     except InputError as error:
         return Check(check.__name__, "not usable", " ".join(str(error).split()))
-    except Exception as error:  # a broken installation breaks anywhere
-        mend = "reinstall the packages: `make setup` in the repository, or pip install --force-reinstall franbv"
+    except Exception as error:  # nothing may keep the other checks from being made
+        broken = isinstance(error, BROKEN_INSTALLATION) or type(error).__module__.partition(".")[0] in FOREIGN
+        mend = REINSTALL if broken else "this is a fault of franbv itself: report it, with what FRANBV_DEBUG=1 shows"
+        if os.environ.get("FRANBV_DEBUG") == "1":
+            traceback.print_exc()
         return Check(check.__name__, f"{type(error).__name__}: {' '.join(str(error).split())}", mend)
 
 

@@ -50,6 +50,8 @@ class Ablation(Config):
     """The mixtures' components may have any shape."""
     unweighted: bool = False
     """Every ellipsoid counts whole, however many are nearer."""
+    ranked_by_depth: bool = False
+    """Ellipsoids are ranked by Z-depth, not by their distance from the camera."""
     gain: Gain | None = None
     """RE: what a voxel is worth to a ray."""
     within_object: bool = False
@@ -66,6 +68,7 @@ class Ablation(Config):
             "recovered_share": self.recovered_share,
             "covariance": "full" if self.full_covariance else None,
             "weight_base": 1.0 if self.unweighted else None,
+            "rank_by": "depth" if self.ranked_by_depth else None,
         }
         return parameters.model_copy(update={name: value for name, value in changes.items() if value is not None})
 
@@ -130,7 +133,8 @@ ABLATIONS: dict[str, NamedAblation] = {
         for percent in (10, 20, 40, 50, 60)
     },
     "full_covariance": NamedAblation("components of any shape", "fra", Ablation(full_covariance=True)),
-    "unweighted": NamedAblation("no weights by depth", "fra", Ablation(unweighted=True)),
+    "unweighted": NamedAblation("no weights by nearness", "fra", Ablation(unweighted=True)),
+    "ranked_by_depth": NamedAblation("ellipsoids ranked by Z-depth", "fra", Ablation(ranked_by_depth=True)),
     "re_unobserved": NamedAblation("RE, untouched voxels only", "re", Ablation(gain="unobserved")),
     "re_entropy": NamedAblation("RE, entropy up to the first surface", "re", Ablation(gain="entropy")),
     "re_rear_side": NamedAblation("RE, rear sides", "re", Ablation(gain="rear_side")),

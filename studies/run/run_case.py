@@ -19,7 +19,7 @@ from studies.run.acquisition_table import ACQUISITION_COLUMNS
 from studies.run.bursts import KeptCaptures
 from studies.run.recorder import RunRecorder, cloud_owner, run_summary, surface_arrays, timing_figures
 from studies.run.report.page import write_report
-from studies.run.stored_run import ACQUISITIONS, CLOUD, FILTERED_CLOUD, RUN, SURFACE, TIMINGS
+from studies.run.stored_run import ACQUISITIONS, CLOUD, FILTERED_CLOUD, RUN, RUN_FORMAT, SURFACE, TIMINGS
 from studies.store.ply import write_ply
 from studies.store.tables import write_rows
 from studies.store.views import write_arrays, write_view
@@ -103,6 +103,7 @@ def write_result(
     write_arrays(folder / SURFACE, surface_arrays(reference, recorder))
     write_rows(folder / ACQUISITIONS, ACQUISITION_COLUMNS, recorder.finished_rows(past))
     facts: dict[str, Any] = {
+        "format": RUN_FORMAT,
         "command": RUN_COMMAND,
         "case": case_digest(RUN_COMMAND, config),
         "title": title,

@@ -239,3 +239,13 @@ def test_one_point_seen_by_all_pixels_has_a_box():
     labels, boxes = group_into_boxes(np.zeros((6, 3)), PARAMETERS)
     np.testing.assert_allclose(2 * boxes[0].half_extents, SIZE)
     np.testing.assert_array_equal(labels, 0)
+
+
+@pytest.mark.parametrize("locate", [first_hit_is_frontier, first_hit_of_any])
+def test_nothing_known_gives_no_region(locate):
+    """Before the first voxel is occupied there is no ellipsoid: whatever the filters keep, no ray meets one."""
+    nothing = Ellipsoids(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros(0, bool))
+    found = detect_reflective_regions(burst(hole()), nothing, PARAMETERS, (persistent_invalid,), locate)
+    assert found.candidates.all()
+    assert not found.retained.any()
+    assert found.boxes == ()

@@ -19,7 +19,7 @@ from studies.base.atomic_file import write_atomically
 from studies.base.console import say, say_json
 from studies.base.flags import parse
 from studies.base.output_errors import output_errors
-from studies.dataset.check.scene import UNREADABLE
+from studies.base.reading import MALFORMED
 from studies.dataset.format.finished_scenes import Gathered, gather_scenes
 from studies.dataset.format.folders import existing_dataset
 from studies.dataset.format.reader import Dataset, DatasetView
@@ -61,9 +61,9 @@ def run(args: list[str]) -> int:
     out = command.out or root.with_name(f"{root.name}.html")
     try:
         page = page_html(root, command.views)
-    except UNREADABLE as error:
+    except MALFORMED as error:
         words = " ".join(str(error).split())
-        raise InputError(f"{root}: cannot be read ({words}); run `franbv dataset check {root}`") from None
+        raise InputError(f"{root}: cannot be read ({words}); run `franbv dataset check {root}`") from error
     with output_errors(out.parent):
         write_atomically(out, page.encode())
     figures = headline(gather_scenes(root))
