@@ -20,8 +20,8 @@ from franbv.reflective_regions import (
 from franbv.volumetric_information import Gain
 from studies.base.config import Config
 
-FilterName = Literal["persistence", "silhouette", "erosion", "frontier"]
-"""The detector's filters in the paper's order."""
+FilterName = Literal["persistence", "erosion", "frontier"]
+"""The detector's filters in the paper's order, without the silhouette, which the erosion implies."""
 
 TURN_DEG = 45.0
 """Turn of the diamond: halfway to the next pose of four [deg]."""
@@ -36,8 +36,7 @@ class Ablation(Config):
     """N_k, frames per pose [-]."""
     without_filter: FilterName | None = None
     """Filter of the detector that is left out. persistence: a pixel counts that is invalid in the first frame.
-    silhouette: changes nothing, the erosion implies it. erosion: up to the silhouette's edge. frontier: the first
-    ellipsoid on the ray may be an occupied one."""
+    erosion: up to the silhouette's edge. frontier: the first ellipsoid on the ray may be an occupied one."""
     turned_diamond: bool = False
     """The diamond of recovery poses is turned by 45 deg."""
     n_recovery_poses: Literal[4, 6, 8] | None = None
