@@ -3,7 +3,6 @@
 import copy
 import hashlib
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float32, UInt8, UInt16
@@ -22,7 +21,7 @@ from render.light.pattern import HALF_FIELD, d435_pattern
 from render.light.projector import ProjectorLight
 from render.light.radiance import RadianceLayers, render_stereo, stop_at_first_surface
 from render.light.sampling import Sampling
-from render.matcher.by_name import matcher_by_name
+from render.matcher.by_name import MatcherName, matcher_by_name
 from render.matcher.interface import StereoMatcher, Window
 from render.world.mitsuba_scene import load_scene
 from render.world.rig import Rig, d435i_rig
@@ -49,7 +48,7 @@ class SensorSettings(BaseModel):
     """Factor of librealsense's decimation filter, 1 = off (paper: maximum)."""
     crop: tuple[int, int] | None = (60, 40)
     """Width and height of the middle part that is kept after decimation; None = all (paper: 60 x 40)."""
-    matcher: Literal["d4", "sgbm"] = "d4"
+    matcher: MatcherName = "d4"
     """Stereo matcher: like the D4 chip, or OpenCV's StereoSGBM."""
     imager: ImagerSettings = ImagerSettings()
     """Exposure, noise and optics of both imagers."""

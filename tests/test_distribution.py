@@ -12,9 +12,14 @@ import pytest
 from tests.conftest import PACKAGES, ROOT
 
 GENERATED = {"__pycache__"}
-TEXT = {".py", ".md", ".toml", ".lock", ".yaml", ".yml", ".json", ".js", ".css", ".j2", ".txt", ".csv", ".svg", ""}
+TEXT = {
+    ".py", ".md", ".toml", ".lock", ".yaml", ".yml", ".json", ".js", ".css", ".cff", ".j2", ".txt", ".csv", ".svg", "",
+}  # fmt: skip
 """Suffixes of the files that a person or a script wrote."""
-TOP = ("README.md", "LICENSE", "Makefile", "pyproject.toml", "requirements.lock", ".gitignore")
+TOP = (
+    "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "LICENSE", "Makefile", "pyproject.toml",
+    "requirements.lock", ".gitignore",
+)  # fmt: skip
 HOME = re.compile(r"/(?:root|home/\w+|Users/\w+)/|[A-Z]:\\Users\\")
 """A folder of one person's machine."""
 

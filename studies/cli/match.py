@@ -4,7 +4,7 @@ import math
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 import tyro
@@ -12,8 +12,8 @@ from jaxtyping import Float
 
 from materials.input_error import InputError
 from render.depth.coding import DepthFormat, metres_from_z16, z16_from_disparity
+from render.matcher.by_name import MatcherName, matcher_by_name
 from render.matcher.d400_preset import D400Preset, preset_by_name, preset_from_file
-from render.matcher.sgbm import SgbmMatcher
 from studies.base.console import say, say_json, warn
 from studies.base.flags import parse
 from studies.scoring.match import HoleScore, MatchScore, fraction_shares, score
@@ -42,7 +42,7 @@ class MatchCommand:
     reference: Annotated[Path | None, tyro.conf.arg(metavar="DEPTH")] = None
     """The camera's own depth: 16-bit PNG in millimetres at full or half resolution, or a picture in jet colours whose
     black is a hole (then holes alone are scored)."""
-    matcher: Literal["d4", "sgbm"] = "d4"
+    matcher: MatcherName = "d4"
     """`d4` fails like the camera's chip; `sgbm` is OpenCV's StereoSGBM."""
     preset: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "default"
     """Preset of the RealSense viewer: default, high_accuracy, high_density, medium_density, hand, or a JSON file."""
@@ -60,9 +60,10 @@ def run(args: list[str]) -> int:
     left, right = read_pair(command.left, command.right)
     reference = read_reference(command.reference, left.shape) if command.reference else None
 
-    matcher = SgbmMatcher() if command.matcher == "sgbm" else preset.matcher()
+    like_the_chip = command.matcher == "d4"  # the preset is the chip's; of others it shifts the search alone
+    matcher = preset.matcher() if like_the_chip else matcher_by_name(command.matcher)
     start = time.perf_counter()
-    disparity = matcher.match(left, right, None, preset.shift if command.matcher == "sgbm" else 0)
+    disparity = matcher.match(left, right, None, 0 if like_the_chip else preset.shift)
     elapsed = time.perf_counter() - start
     if command.out:
         coding = DepthFormat(unit=preset.depth_unit)

@@ -12,6 +12,7 @@ from materials.catalog import finish_names, material_names, metal_names
 from materials.suggestion import suggest
 from materials.user_materials import UserEntry, UserMaterials, checked_entry
 from render.imager.settings import LONGEST_EXPOSURE_US, MOST_LASER_POWER_MW
+from render.matcher.by_name import MatcherName
 from render.world.rig import FOCAL_LENGTHS_PX
 from scenes.lamps import LIGHTING_NAMES
 from scenes.part_materials import part_materials
@@ -135,7 +136,7 @@ class Camera(Config):
 
     profiles: Weights = Field(default={"640x360": 1})
     """Stream profiles."""
-    matcher: Literal["d4", "sgbm"] = "d4"
+    matcher: MatcherName = "d4"
     laser_mw: Annotated[tuple[LaserPower, LaserPower], AfterValidator(_ordered)] = (30.0, 360.0)
     """Laser power, log-uniform [mW]."""
     auto_exposure: Share = 0.8

@@ -9,19 +9,14 @@ from pydantic import Field
 
 from franbv.parameters import Parameters
 from franbv.planners import PLANNERS, Planner, fra, re
-from franbv.reflective_regions import (
-    View,
-    first_hit_is_frontier,
-    first_hit_of_any,
-    inside_eroded_silhouette,
-    inside_silhouette,
-    persistent_invalid,
-)
+from franbv.reflective_regions import FILTERS, View, first_hit_is_frontier, first_hit_of_any
 from franbv.volumetric_information import Gain
 from studies.base.config import Config
 
 FilterName = Literal["persistence", "erosion", "frontier"]
 """The detector's filters in the paper's order, without the silhouette, which the erosion implies."""
+IMAGE_FILTERS = {"persistence": "persistent_invalid", "erosion": "inside_eroded_silhouette"}
+"""Those that judge pixels in the image, by the names that the detector knows them by."""
 
 TURN_DEG = 45.0
 """Turn of the diamond: halfway to the next pose of four [deg]."""
@@ -87,20 +82,15 @@ class Ablation(Config):
 def build_planner(name: str, ablation: Ablation) -> Planner:
     """The planner of this name with those functions exchanged that the ablation exchanges."""
     if name == "fra":
-        filters = {
-            "persistence": persistent_invalid,
-            "silhouette": inside_silhouette,
-            "erosion": inside_eroded_silhouette,
-        }
+        left_out = IMAGE_FILTERS.get(ablation.without_filter or "")
+        filters = {name: keeps for name, keeps in FILTERS.items() if name != left_out}
         if ablation.without_filter == "persistence":
-            filters["persistence"] = invalid_in_first_frame
-        elif ablation.without_filter in filters:
-            del filters[ablation.without_filter]
+            filters = {"invalid_in_first_frame": invalid_in_first_frame, **filters}
         locate = first_hit_of_any if ablation.without_filter == "frontier" else first_hit_is_frontier
-        return fra(tuple(filters.values()), locate)
+        return fra(filters, locate)
     if name == "re":
         return re(ablation.gain or "occlusion_aware", ablation.within_object)
-    return PLANNERS[name]()
+    return PLANNERS[name].build()
 
 
 def invalid_in_first_frame(view: View) -> Bool[np.ndarray, "h w"]:

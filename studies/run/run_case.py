@@ -1,13 +1,14 @@
 """Runs the loop with any camera and arm, and writes everything that a reconstruction leaves."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from pydantic import Field, model_validator
 
 from franbv.acquisition import Acquisition, Reconstruction
 from franbv.evaluation import Reference, history
 from franbv.parameters import Parameters
+from franbv.planners import PlannerName
 from franbv.reconstruction import reconstruct
 from franbv.sensing import Arm
 from studies.base.atomic_file import write_atomically
@@ -32,7 +33,7 @@ RUN_COMMAND = "reconstruct"
 class RunSettings(Config):
     """What decides a run, apart from what stands before the camera."""
 
-    planner: Literal["fra", "pb", "re", "random"] = "fra"
+    planner: PlannerName = "fra"
     """fra: FRA-NBV as in the paper. pb: PB-NBV, the same without recovery of reflective regions. re: ray-cast entropy.
     random: any reachable candidate."""
     azimuth_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
