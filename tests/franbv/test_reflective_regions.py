@@ -255,7 +255,7 @@ def test_one_point_seen_by_all_pixels_has_a_box():
 def test_nothing_known_gives_no_region(locate):
     """Before the first voxel is occupied there is no ellipsoid: whatever the filters keep, no ray meets one."""
     nothing = Ellipsoids(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros(0, bool))
-    found = detect_reflective_regions(burst(hole()), nothing, PARAMETERS, (persistent_invalid,), locate)
+    found = detect_reflective_regions(burst(hole()), nothing, PARAMETERS, {"persistent_invalid": persistent_invalid}, locate)
     assert found.candidates.all()
     assert not found.retained.any()
     assert found.boxes == ()

@@ -35,6 +35,7 @@ IN_PARAMETERS = {
     "tau_rec_60": {"recovered_share": 0.6},
     "full_covariance": {"covariance": "full"},
     "unweighted": {"weight_base": 1.0},
+    "ranked_by_depth": {"rank_by": "depth"},
 }
 """What each ablation by numbers must change, from its name alone."""
 
