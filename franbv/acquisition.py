@@ -56,8 +56,8 @@ class Acquisition:
 
     @property
     def activates(self) -> bool:
-        """Whether a reflective region was found and its recovery begun."""
-        return self.recovery_poses is not None
+        """Whether a reflective region was found and its recovery begun: without a pose the arm never moved."""
+        return self.recovery_poses is not None and len(self.recovery_poses.poses) > 0
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,10 +13,15 @@ Share = Annotated[float, Field(ge=0, le=1)]
 Count = Annotated[int, Field(ge=1)]
 PolarAngle = Annotated[float, Field(ge=0, le=90)]
 Vector = tuple[float, float, float]
+RankBy = Literal["distance", "depth"]
 
 
 def _number(default, description: str):
     return Field(default=default, description=description)
+
+
+LEAST_UPDATE = 1e-3
+"""Of an occupancy from 0.5 [-] (choice: a weaker one needs hundreds of rays to say anything)."""
 
 
 class Parameters(BaseModel):
@@ -93,7 +98,12 @@ class Parameters(BaseModel):
 
     # -- utility -----------------------------------------------------------------------------------------------------
     weight_base: Share = _number(
-        0.5, "Weight of an ellipsoid is weight_base^rank by depth [-]. Published PB-NBV code; 1 turns the weights off."
+        0.5, "Weight of an ellipsoid is weight_base^rank [-]. Published PB-NBV code; 1 turns the weights off."
+    )
+    rank_by: RankBy = _number(
+        "distance",
+        "What ellipsoids are ranked by: distance of the centre from the camera (text below eq. (2)), or its Z-depth, "
+        "an ablation.",
     )
     area_supersampling: Count = _number(
         4,
@@ -149,6 +159,11 @@ class Parameters(BaseModel):
             raise ValueError(f"prior_min {self.prior_min} is not below prior_max {self.prior_max}")
         if not self.min_probability < self.miss_probability < 0.5 < self.hit_probability < self.max_probability:
             raise ValueError("occupancy must obey min < miss < 0.5 < hit < max")
+        weakest = min(self.hit_probability - 0.5, 0.5 - self.miss_probability)
+        if weakest < LEAST_UPDATE:
+            raise ValueError(f"hit and miss must be at least {LEAST_UPDATE} away from 0.5, or they tell nothing")
+        if self.polar_max_deg == 0.0:
+            raise ValueError("polar_max_deg must be above 0, or all candidates stand in one place")
         if not self.polar_min_deg <= self.polar_max_deg:
             raise ValueError(f"polar_min_deg {self.polar_min_deg} is above polar_max_deg {self.polar_max_deg}")
         return self

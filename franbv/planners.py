@@ -4,8 +4,9 @@ A planner says how a burst enters the map, what stands in for the object, how vi
 reflective regions, how they are found, viewed and judged. The loop in `reconstruction` is the same for all of them.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -83,11 +84,11 @@ def pb() -> Planner:
 
 
 def fra(
-    filters: Sequence[Filter] = FILTERS, locate: Locate = first_hit_is_frontier, poses: Poses = diamond_poses
+    filters: Mapping[str, Filter] = FILTERS, locate: Locate = first_hit_is_frontier, poses: Poses = diamond_poses
 ) -> Planner:
     """FRA-NBV: PB-NBV with reflective regions identified and recovered (paper, section V).
 
-    filters: the tests that a pixel must pass; leave one out for an ablation.
+    filters: the tests that a pixel must pass, by name; leave one out for an ablation.
     locate: the last test, which also places the remaining pixels in the world.
     poses: from where a region is seen again.
     """
@@ -122,8 +123,26 @@ def random_views() -> Planner:
     return Planner("random", integrate_median, without_ellipsoids, all_alike)
 
 
-PLANNERS: dict[str, Callable[[], Planner]] = {"pb": pb, "fra": fra, "re": re, "random": random_views}
-"""Planners by the name that the studies know them by."""
+class KnownPlanner(NamedTuple):
+    """A planner that the commands and the studies offer."""
+
+    build: Callable[[], Planner]
+    words: str
+    """What reports call it."""
+
+
+PLANNERS: dict[str, KnownPlanner] = {
+    "fra": KnownPlanner(fra, "FRA-NBV"),
+    "pb": KnownPlanner(pb, "PB-NBV"),
+    "re": KnownPlanner(re, "ray-cast entropy"),
+    "random": KnownPlanner(random_views, "random views"),
+}
+"""Planners by their name in flags and configurations; a row here is all that makes one known."""
+
+if TYPE_CHECKING:
+    PlannerName = str
+else:
+    PlannerName = Literal[tuple(PLANNERS)]
 
 
 def integrate_median(voxel_map: VoxelMap, burst: DepthBurst, parameters: Parameters) -> VoxelMap:

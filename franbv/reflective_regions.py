@@ -4,7 +4,7 @@ Three filters judge pixels in the image, each by itself; the fourth gives the re
 or refuses. Each is a plain function of what was seen, so that it can be scored by itself, left out or replaced.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -97,14 +97,19 @@ def inside_eroded_silhouette(view: View) -> Bool[np.ndarray, "h w"]:
     return binary_erosion(view.silhouette, border_value=0)
 
 
-FILTERS: tuple[Filter, ...] = (persistent_invalid, inside_silhouette, inside_eroded_silhouette)
-"""The paper's image filters in its order."""
+FILTERS: Mapping[str, Filter] = {
+    "persistent_invalid": persistent_invalid,
+    "inside_silhouette": inside_silhouette,
+    "inside_eroded_silhouette": inside_eroded_silhouette,
+}
+"""The paper's image filters in its order, by the name under which their masks are kept and scored."""
 
 
 def first_hit_is_frontier(view: View, pixels: Bool[np.ndarray, "h w"]) -> Float[np.ndarray, "n 3"]:
     """Fourth filter: where a pixel's ray first meets an ellipsoid, if that one stands for frontier voxels."""
     points, first = first_hits(view, pixels)
-    points[~view.ellipsoids.is_frontier[first]] = np.nan
+    is_frontier = np.append(view.ellipsoids.is_frontier, False)  # the last one stands for no ellipsoid
+    points[~is_frontier[first]] = np.nan
     return points
 
 
@@ -114,10 +119,10 @@ def first_hit_of_any(view: View, pixels: Bool[np.ndarray, "h w"]) -> Float[np.nd
 
 
 def first_hits(view: View, pixels: Bool[np.ndarray, "h w"]) -> tuple[Float[np.ndarray, "n 3"], Int[np.ndarray, "n"]]:
-    """World points [m] where the pixels' rays first meet an ellipsoid (NaN: nowhere), and its index; eq. (9)."""
+    """World points [m] where pixels' rays first meet an ellipsoid (NaN: nowhere) and its index (-1: none); eq. (9)."""
     rays = view.burst.intrinsics.pixel_directions()[pixels]
     if len(rays) == 0 or len(view.ellipsoids) == 0:
-        return np.full((len(rays), 3), np.nan), np.zeros(len(rays), int)
+        return np.full((len(rays), 3), np.nan), np.full(len(rays), -1)
     depths = first_hit_depths(rays, *in_camera_frame(view.ellipsoids, view.burst.T_world_cam))
     depth = depths.min(axis=0)
     depth[np.isinf(depth)] = np.nan
@@ -128,17 +133,17 @@ def detect_reflective_regions(
     burst: DepthBurst,
     ellipsoids: Ellipsoids,
     parameters: Parameters,
-    filters: Sequence[Filter] = FILTERS,
+    filters: Mapping[str, Filter] = FILTERS,
     locate: Locate = first_hit_is_frontier,
 ) -> Detection:
     """Regions of missing depth that are persistent, on the object, coherent and not reconstructed yet.
 
     ellipsoids: E_o and E_f, refitted with this burst in the map.
-    filters: tests that a pixel must pass; leave one out for an ablation.
+    filters: tests that a pixel must pass, by name; leave one out for an ablation.
     locate: gives the remaining pixels a place in the world or refuses them.
     """
     view = View(burst, ellipsoids, parameters)
-    masks = {keeps.__name__: keeps(view) for keeps in filters}
+    masks = {name: keeps(view) for name, keeps in filters.items()}
     candidates = np.ones(burst.depths.shape[1:], bool)
     for mask in masks.values():
         candidates &= mask

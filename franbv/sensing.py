@@ -25,9 +25,49 @@ class DepthBurst:
     T_world_cam: RigidTransform
     """Pose of the left infrared imager, the depth frame's origin."""
 
+    def __post_init__(self) -> None:
+        """Every code for "no depth" becomes 0; ValueError for depth that is not in metres."""
+        depths = metric_depths(self.depths)
+        if depths.shape[1:] != (self.intrinsics.height, self.intrinsics.width):
+            raise ValueError(
+                f"depths of shape {depths.shape} do not belong to intrinsics of {self.intrinsics.width} x "
+                f"{self.intrinsics.height} pixels; give (frames, rows, columns) and the intrinsics of that image"
+            )
+        object.__setattr__(self, "depths", depths)
+
     def median_depth(self, invalid_share: float = 0.5) -> Float[np.ndarray, "h w"]:
         """One depth image of the burst [m]; see `median_depth`."""
         return median_depth(self.depths, invalid_share)
+
+
+FARTHEST_M = 50.0
+"""Median depth above which numbers are taken for millimetres [m] (choice: beyond every room in which an arm stands, and
+as millimetres nearer than any depth camera measures)."""
+SAMPLE = 10_000
+"""Pixels whose median is asked for."""
+
+
+def metric_depths(depths: np.ndarray) -> Float[np.ndarray, "n h w"]:
+    """Depth frames [m] in which 0 alone means "no depth"; NaN, infinities and negative numbers, as other cameras code
+    it (REP 118 has NaN, -inf and +inf), become 0. Frames that need no change are given back as they are.
+
+    ValueError for anything but floating-point metres: integers, as 16-bit images have them, count millimetres.
+    """
+    if depths.ndim != 3:
+        raise ValueError(f"depths have the shape {depths.shape}; give (frames, rows, columns)")
+    if not np.issubdtype(depths.dtype, np.floating):
+        raise ValueError(
+            f"depths are {depths.dtype}; give Z-depth in metres as float32. Integers look like millimetres: "
+            "divide by 1000"
+        )
+    valid = np.isfinite(depths) & (depths > 0)
+    there = depths[valid]
+    if len(there) and np.median(there[:: max(1, len(there) // SAMPLE)]) > FARTHEST_M:
+        raise ValueError(
+            f"depths are {np.median(there):.0f} in the median; give Z-depth in metres. These look like millimetres: "
+            "divide by 1000"
+        )
+    return depths if np.all(valid | (depths == 0)) else np.where(valid, depths, depths.dtype.type(0))
 
 
 def median_depth(depths: Float[np.ndarray, "n h w"], invalid_share: float = 0.5) -> Float[np.ndarray, "h w"]:

@@ -10,7 +10,7 @@ from franbv.ellipsoids import Ellipsoids
 from franbv.frames import Intrinsics
 from franbv.geometry.oriented_box import OrientedBox
 from franbv.geometry.projected_box import projected_box_area
-from franbv.parameters import Parameters
+from franbv.parameters import Parameters, RankBy
 from franbv.projection import in_camera_frame, projected_areas
 
 
@@ -29,7 +29,7 @@ def view_utilities(
         return np.zeros(0)
     poses = RigidTransform.concatenate(list(Ts_world_cam))
     areas = projected_areas(ellipsoids, intrinsics, poses, parameters.area_supersampling)  # (n, k)
-    weights = parameters.weight_base ** depth_ranks(visible_depths(ellipsoids, poses))
+    weights = parameters.weight_base ** ranks(nearness(ellipsoids, poses, parameters.rank_by))
     return np.sum(weights * areas * np.where(ellipsoids.is_frontier, 1.0, -1.0), axis=1)
 
 
@@ -45,18 +45,27 @@ def recovery_utility(
     areas = np.append(areas, projected_box_area(region, intrinsics, T_world_cam))
     T_cam_world = T_world_cam.inv()
     in_sight = T_cam_world.apply(region.corners())[:, 2].max() > 0.0
-    region_depth = T_cam_world.apply(region.centre)[2] if in_sight else np.inf
-    weights = parameters.weight_base ** depth_ranks(np.append(visible_depths(ellipsoids, T_world_cam), region_depth))
+    of_region = _far(T_cam_world.apply(region.centre), parameters.rank_by) if in_sight else np.inf
+    all_of_them = np.append(nearness(ellipsoids, T_world_cam, parameters.rank_by), of_region)
+    weights = parameters.weight_base ** ranks(all_of_them)
     return float(np.sum(weights * areas * np.append(np.where(ellipsoids.is_frontier, 1.0, -1.0), 1.0)))
 
 
-def visible_depths(ellipsoids: Ellipsoids, T_world_cam: RigidTransform) -> Float[np.ndarray, "*poses k"]:
-    """Z-depth of each ellipsoid's centre [m]; inf for those wholly behind the camera, which hide nothing."""
+def nearness(ellipsoids: Ellipsoids, T_world_cam: RigidTransform, rank_by: RankBy) -> Float[np.ndarray, "*poses k"]:
+    """What ellipsoids are ranked by [m], of one camera or of many; inf for those wholly behind it, which hide nothing.
+
+    `distance`: of the centre from the camera (paper, section III-C). `depth`: the centre's Z-depth.
+    """
     centres, shapes = in_camera_frame(ellipsoids, T_world_cam)
-    return np.where(centres[..., 2] + np.sqrt(shapes[..., 2, 2]) > 0.0, centres[..., 2], np.inf)
+    return np.where(centres[..., 2] + np.sqrt(shapes[..., 2, 2]) > 0.0, _far(centres, rank_by), np.inf)
 
 
-def depth_ranks(depths: Float[np.ndarray, "*poses k"]) -> Int[np.ndarray, "*poses k"]:
-    """Rank of each depth within its row, 0 for the nearest; equal depths rank in the order in which they stand."""
-    order = np.argsort(depths, axis=-1, kind="stable")
+def _far(points: Float[np.ndarray, "*k 3"], rank_by: RankBy) -> Float[np.ndarray, "*k"]:
+    """Distance or Z-depth of points in the camera frame [m]."""
+    return np.asarray(np.linalg.norm(points, axis=-1) if rank_by == "distance" else points[..., 2])
+
+
+def ranks(values: Float[np.ndarray, "*poses k"]) -> Int[np.ndarray, "*poses k"]:
+    """Rank of each value within its row, 0 for the least; equal values rank in the order in which they stand."""
+    order = np.argsort(values, axis=-1, kind="stable")
     return np.argsort(order, axis=-1)  # the inverse permutation: `order` says who comes first, not who is first

@@ -35,6 +35,9 @@ SPREAD = 2654435769
 """2^32 over the golden ratio: the highest bits of a number times this are a good place for it (Knuth, The Art of
 Computer Programming 3, 6.4)."""
 
+TINY = 1e-30
+"""Log-odds that are not zero and tell as little [-] (choice: any that single precision holds)."""
+
 
 def view_information(
     voxel_map: VoxelMap,
@@ -53,7 +56,10 @@ def view_information(
     low, high = np.zeros(3, np.int64), np.array(voxel_map.log_odds.shape)
     if region is not None:
         low, high = _extent(voxel_map, region)
-    cells = voxel_cells(voxel_map.log_odds[tuple(map(slice, low, high))], gain)
+    log_odds = voxel_map.log_odds
+    if voxel_map.cancelled is not None:  # the loops know an untouched voxel by its zero
+        log_odds = np.where(voxel_map.cancelled, np.float32(-TINY), log_odds)
+    cells = voxel_cells(log_odds[tuple(map(slice, low, high))], gain)
     if len(Ts_world_cam) == 0:
         return np.zeros(0)
     origins, axes, columns, rows = view_rays(voxel_map, intrinsics, Ts_world_cam)

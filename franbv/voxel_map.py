@@ -16,6 +16,10 @@ from scipy.spatial.transform import RigidTransform
 from franbv.frames import Intrinsics
 from franbv.parameters import Parameters
 
+UNDECIDED = 1e-5
+"""|L| up to which hits and misses have cancelled [-] (choice: far above what float32 rounds in a hundred updates, far
+below the weakest update that `Parameters` allow)."""
+
 
 @dataclass(frozen=True, eq=False)
 class VoxelMap:
@@ -32,21 +36,34 @@ class VoxelMap:
     """s_v [m]."""
     log_odds: Float[np.ndarray, "x y z"]
     """ln(p / (1 - p)) of each voxel, float32 (a run keeps one map per acquisition); 0 where nothing is known."""
+    cancelled: Bool[np.ndarray, "x y z"] | None = None
+    """Voxels whose hits and misses are equally strong, so that as little is known as of those that no ray has touched;
+    None = there is no such voxel."""
 
     @property
     def occupied(self) -> Bool[np.ndarray, "x y z"]:
         """V_o: more likely occupied than not."""
-        return self.log_odds > 0
+        return self.log_odds > UNDECIDED
 
     @property
     def free(self) -> Bool[np.ndarray, "x y z"]:
         """V_fr: more likely free than not."""
-        return self.log_odds < 0
+        return self.log_odds < -UNDECIDED
 
     @property
     def uncertain(self) -> Bool[np.ndarray, "x y z"]:
-        """V_u: never touched (hits and misses of the default odds never cancel to exactly 0)."""
-        return self.log_odds == 0
+        """V_u: as likely occupied as free, whether rays have touched it or not."""
+        return np.abs(self.log_odds) <= UNDECIDED
+
+    @property
+    def untouched(self) -> Bool[np.ndarray, "x y z"]:
+        """Voxels that no ray has met."""
+        return self.uncertain if self.cancelled is None else self.uncertain & ~self.cancelled
+
+    @property
+    def touched(self) -> Bool[np.ndarray, "x y z"]:
+        """Voxels that a ray has met."""
+        return ~self.untouched
 
     def frontier(self, occupied: Bool[np.ndarray, "x y z"] | None = None) -> Bool[np.ndarray, "x y z"]:
         """V_f: uncertain voxels with a free and an occupied voxel among their 26 neighbours.
@@ -90,7 +107,10 @@ class VoxelMap:
         log_odds[hit] += _logit(parameters.hit_probability)
         log_odds[miss] += _logit(parameters.miss_probability)
         np.clip(log_odds, _logit(parameters.min_probability), _logit(parameters.max_probability), out=log_odds)
-        return replace(self, log_odds=log_odds)
+        level = np.abs(log_odds) <= UNDECIDED
+        log_odds[level] = 0.0  # else rounding would decide
+        cancelled = level & (hit | miss | self.touched)
+        return replace(self, log_odds=log_odds, cancelled=cancelled if cancelled.any() else None)
 
 
 def empty_map(parameters: Parameters) -> VoxelMap:

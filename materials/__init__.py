@@ -1,1 +1,1 @@
-"""Optical constants at 850 nm, surface finishes, and the materials made of them."""
+"""Surfaces at 850 nm: optical constants, finishes, non-metals, a user's own; and the exception for bad input."""

@@ -26,7 +26,7 @@ from render.light.sampling import Sampling
 from render.matcher.interface import StereoMatcher, Window
 from render.sensor import SensorSettings
 from render.world.mitsuba_scene import load_scene
-from render.world.rig import Rig, camera_rig
+from render.world.rig import Rig
 from render.world.truth import Truth, measure_truth
 from scenes.scene import Scene
 
@@ -81,8 +81,9 @@ class SimulatedD435i:
         """Load the scene. sampling: see `Sampling`; matcher: any `StereoMatcher` instead of the one that is named."""
         self.settings = (settings or SensorSettings()).resolved()
         self._matcher = matcher or self.settings.stereo_matcher
-        shift = getattr(self._matcher, "shift", 0)  # a matcher of the caller's may know none
-        self.rig: Rig = camera_rig(self.settings.model, self.settings.profile, shift)
+        self._search_start = self.settings.rig.disparity_shift
+        own_shift = getattr(self._matcher, "shift", 0)  # of a matcher of the caller's, which may have one
+        self.rig: Rig = replace(self.settings.rig, disparity_shift=self._search_start + own_shift)
         self.world = load_scene(scene)
         self._seed = seed
         self._sampling = sampling or Sampling()
@@ -155,7 +156,7 @@ class SimulatedD435i:
             expose_burst(layers.projector, layers.ambient, imager, n_frames, seed, self.rig.chip)
             for layers, seed in zip((left, right), seeds, strict=True)
         )
-        disparities = self._matcher.match_burst(lefts, rights, self.window)
+        disparities = self._matcher.match_burst(lefts, rights, self.window, self._search_start)
         z16 = z16_from_disparity(disparities, self.rig.focal_baseline, self.settings.depth)
         burst = DepthBurst(metres_from_z16(self.reduced(z16), self.settings.depth), self.intrinsics, T_world_cam)
         depths = metres_from_z16(z16, self.settings.depth)

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 from render.depth.coding import MOST_UNITS, DepthFormat
 from render.imager.settings import ImagerSettings
 from render.matcher import d400_preset as keys
-from render.matcher.by_name import matcher_by_name
+from render.matcher.by_name import MatcherName, matcher_by_name
 from render.matcher.d400_preset import D400Preset, is_file_name, load_preset
 from render.matcher.interface import StereoMatcher
 from render.world.rig import Rig, camera_rig
@@ -23,9 +23,9 @@ AnySettings = TypeVar("AnySettings", bound=BaseModel)
 class SensorSettings(BaseModel):
     """Everything about the camera that a user can set; the defaults make the paper's 60 x 40 sensor (section VI).
 
-    Unknown keys and numbers out of range raise pydantic's ValidationError, a profile that the D435i lacks InputError
-    when the camera is made. Not to be set: baseline and projector (`render.world.rig`), and the dot pattern
-    (`render.light.pattern`).
+    Unknown keys and numbers out of range raise pydantic's ValidationError, a profile that the camera lacks and a preset
+    file that cannot be read InputError when the camera is made. Not to be set: baseline and projector
+    (`render.world.rig`), and the dot pattern (`render.light.pattern`).
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -48,7 +48,7 @@ class SensorSettings(BaseModel):
     """Factor of librealsense's decimation filter, 1 = off (paper: maximum)."""
     crop: tuple[int, int] | None = (60, 40)
     """Width and height of the middle part that is kept after decimation; None = all (paper: 60 x 40)."""
-    matcher: Literal["d4", "sgbm"] = "d4"
+    matcher: MatcherName = "d4"
     """Stereo matcher: like the D4 chip, or OpenCV's StereoSGBM."""
     imager: ImagerSettings = ImagerSettings()
     """Exposure, noise and optics of both imagers."""
@@ -70,7 +70,7 @@ class SensorSettings(BaseModel):
 
     @property
     def stereo_matcher(self) -> StereoMatcher:
-        """What makes disparities of the infrared pairs."""
+        """What makes disparities of the infrared pairs; its search begins at the rig's disparity shift."""
         return matcher_by_name(self.matcher, load_preset(self.preset))
 
     def resolved(self) -> "SensorSettings":

@@ -1,1 +1,1 @@
-"""What stands in front of the sensor: parts, coupons, table, lamps, room, user CAD."""
+"""What stands in front of the sensor: parts, coupons, user CAD, how they lie and pile up, table, lamps, room."""

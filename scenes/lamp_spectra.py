@@ -11,7 +11,7 @@ at 850 nm. Its luminance is 683 lm/W integral L V dlambda (CIE 1924). Their rati
 import numpy as np
 from jaxtyping import Float
 
-WAVELENGTH_NM = np.arange(360.0, 1101.0, 1.0)
+SPECTRUM_NM = np.arange(360.0, 1101.0, 1.0)
 """From the edge of V(lambda) to the band edge of silicon [nm]."""
 LUMINOUS_EFFICACY = 683.0
 """K_cd, defines the candela [lm/W], SI brochure 2019."""
@@ -28,9 +28,9 @@ HALOGEN_TEMPERATURE = 3000.0
 
 def imager_radiance_per_luminance(spectrum: Float[np.ndarray, "w"]) -> float:
     """850 nm-equivalent radiance per luminance [W m^-2 sr^-1 per cd m^-2] of a lamp with this spectral shape."""
-    electrons = np.trapezoid(spectrum * quantum_efficiency(WAVELENGTH_NM) * WAVELENGTH_NM, WAVELENGTH_NM)
+    electrons = np.trapezoid(spectrum * quantum_efficiency(SPECTRUM_NM) * SPECTRUM_NM, SPECTRUM_NM)
     radiance = electrons / (quantum_efficiency(np.array([REFERENCE_NM]))[0] * REFERENCE_NM)
-    luminance = LUMINOUS_EFFICACY * np.trapezoid(spectrum * luminosity(WAVELENGTH_NM), WAVELENGTH_NM)
+    luminance = LUMINOUS_EFFICACY * np.trapezoid(spectrum * luminosity(SPECTRUM_NM), SPECTRUM_NM)
     return float(radiance / luminance)
 
 
@@ -55,12 +55,12 @@ def white_led() -> Float[np.ndarray, "w"]:
     Two Gaussians (choice) with the widths of common parts; the result, 317 lm per radiant watt, lies where
     measured white LEDs do (250 to 370 lm/W, Murphy, J. Appl. Phys. 111, 104909, 2012). Almost none of it is at 850 nm.
     """
-    blue = 0.9 * np.exp(-0.5 * ((WAVELENGTH_NM - 450) / 11) ** 2)
-    width = np.where(WAVELENGTH_NM < 580, 55.0, 70.0)
-    return blue + np.exp(-0.5 * ((WAVELENGTH_NM - 580) / width) ** 2)
+    blue = 0.9 * np.exp(-0.5 * ((SPECTRUM_NM - 450) / 11) ** 2)
+    width = np.where(SPECTRUM_NM < 580, 55.0, 70.0)
+    return blue + np.exp(-0.5 * ((SPECTRUM_NM - 580) / width) ** 2)
 
 
-def black_body(temperature: float, wavelength_nm: Float[np.ndarray, "w"] = WAVELENGTH_NM) -> Float[np.ndarray, "w"]:
+def black_body(temperature: float, wavelength_nm: Float[np.ndarray, "w"] = SPECTRUM_NM) -> Float[np.ndarray, "w"]:
     """Planck's spectral radiance at `temperature` [K], W m^-2 sr^-1 nm^-1."""
     h, c, k_b = 6.62607015e-34, 299792458.0, 1.380649e-23  # exact, SI 2019
     metres = wavelength_nm * 1e-9

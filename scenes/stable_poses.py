@@ -20,7 +20,7 @@ SAME_FACE_COSINE = 1 - 1e-6
 STABLE_MARGIN = 0.002
 """Least distance of the centre of mass from the rim of what carries it [m] (choice: a nudge does not topple it; lying
 round things, which would roll, are left out by it)."""
-LEAST_CHANCE = 0.01
+LEAST_POSE_CHANCE = 0.01
 """Rarer ways to lie are left out (choice)."""
 
 
@@ -53,7 +53,7 @@ def stable_poses(mesh: Mesh) -> tuple[StablePose, ...]:
             found.append((rotation, _solid_angle(hull.points[hull.simplices[members]] - centre)))
     whole = sum(angle for _, angle in found)
     ordered = sorted(found, key=lambda pose: -pose[1])
-    return tuple(StablePose(turn, angle / whole) for turn, angle in ordered if angle >= LEAST_CHANCE * whole)
+    return tuple(StablePose(turn, angle / whole) for turn, angle in ordered if angle >= LEAST_POSE_CHANCE * whole)
 
 
 def centre_of_mass(mesh: Mesh, hull: ConvexHull | None = None) -> Float[np.ndarray, "3"]:

@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+import tarfile
 import zipfile
 from pathlib import Path
 
@@ -11,9 +12,14 @@ import pytest
 from tests.conftest import PACKAGES, ROOT
 
 GENERATED = {"__pycache__"}
-TEXT = {".py", ".md", ".toml", ".lock", ".yaml", ".yml", ".json", ".js", ".css", ".j2", ".txt", ".csv", ".svg", ""}
+TEXT = {
+    ".py", ".md", ".toml", ".lock", ".yaml", ".yml", ".json", ".js", ".css", ".cff", ".j2", ".txt", ".csv", ".svg", "",
+}  # fmt: skip
 """Suffixes of the files that a person or a script wrote."""
-TOP = ("README.md", "LICENSE", "Makefile", "pyproject.toml", "requirements.lock", ".gitignore")
+TOP = (
+    "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "LICENSE", "Makefile", "pyproject.toml",
+    "requirements.lock", ".gitignore",
+)  # fmt: skip
 HOME = re.compile(r"/(?:root|home/\w+|Users/\w+)/|[A-Z]:\\Users\\")
 """A folder of one person's machine."""
 
@@ -34,6 +40,20 @@ def test_the_wheel_holds_the_packages_and_their_data(tmp_path: Path):
         entry_points = next(name for name in wheel.namelist() if name.endswith("entry_points.txt"))
         assert "franbv = studies.cli.main:main" in wheel.read(entry_points).decode()
     assert held == {path.as_posix() for path in shipped_files()}
+
+
+@pytest.mark.skipif(not (ROOT / ".git").exists(), reason="no clone: what is under version control is not known")
+def test_the_source_archive_holds_all_that_its_tests_read(tmp_path: Path):
+    """Tests read pages, examples, the Makefile and the lock: everything that is under version control is there."""
+    command = [sys.executable, "-m", "hatchling", "build", "--target", "sdist", "--directory", str(tmp_path)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    with tarfile.open(next(tmp_path.glob("*.tar.gz"))) as archive:
+        held = {name.partition("/")[2] for name in archive.getnames()}
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split(
+        "\n"
+    )
+    assert {name for name in listed if name and (ROOT / name).exists()} - held == set()
 
 
 @pytest.mark.parametrize("package", PACKAGES)

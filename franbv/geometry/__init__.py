@@ -1,1 +1,1 @@
-"""Boxes, enclosing ellipsoids, mixtures and rays: what the planner computes with and does not know a map."""
+"""Boxes, polygons, enclosing ellipsoids, mixtures and rays: what the planner computes with. Knows no map."""

@@ -13,9 +13,9 @@ from jaxtyping import Float, Int
 
 MAX_STEPS = 10_000
 """Guard against an endless loop; clusters of voxels take about a hundred steps."""
-FLATNESS = 1e-12
+FLAT_VARIANCE = 1e-12
 """Share of the largest variance below which a set counts as flat: a choice, the square of single precision."""
-DIRECTIONS = np.array([d for d in product((-1.0, 0.0, 1.0), repeat=3) if d > (0.0, 0.0, 0.0)])
+START_DIRECTIONS = np.array([d for d in product((-1.0, 0.0, 1.0), repeat=3) if d > (0.0, 0.0, 0.0)])
 """Towards a cube's faces, edges and corners, one of each opposite pair: the outermost points along them are where the
 weights start. Any start would do; from this one, clusters of voxels need the fewest steps."""
 
@@ -93,7 +93,7 @@ def _step(leverage, weight):
 
 def _first_weights(sets):
     """Equal weights (k, m) on the outermost points along the directions; on all points where those lie in a plane."""
-    along = sets @ DIRECTIONS.T  # (k, m, directions)
+    along = sets @ START_DIRECTIONS.T  # (k, m, directions)
     weights = np.zeros(sets.shape[:2])
     for outermost in (along.argmax(axis=1), along.argmin(axis=1)):
         np.put_along_axis(weights, outermost, 1.0, axis=1)
@@ -107,7 +107,7 @@ def _first_weights(sets):
 
 def _flat(sets, weights):
     spread = np.linalg.eigvalsh(_moments(sets, weights)[1])  # ascending
-    return spread[:, 0] <= FLATNESS * spread[:, 2]
+    return spread[:, 0] <= FLAT_VARIANCE * spread[:, 2]
 
 
 def _moments(sets, weights):

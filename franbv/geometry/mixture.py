@@ -17,7 +17,7 @@ from jaxtyping import Float, Int
 from sklearn.cluster import kmeans_plusplus
 from threadpoolctl import ThreadpoolController
 
-TOLERANCE = 1e-3
+EM_TOLERANCE = 1e-3
 """EM ends when the mean log-likelihood of a point changes by less: scikit-learn's default."""
 MAX_ITERATIONS = 100
 """Most EM iterations: scikit-learn's default."""
@@ -125,7 +125,7 @@ def expectation_maximisation(
         n_iterations[running] += 1
         change = np.abs(now - likelihoods[running])
         likelihoods[running] = now
-        running[running] = (change >= TOLERANCE) & (n_iterations[running] < MAX_ITERATIONS)
+        running[running] = (change >= EM_TOLERANCE) & (n_iterations[running] < MAX_ITERATIONS)
     responsibilities, likelihoods = _expect(transposed, (weights, means, covariances), sizes)
     ends = np.cumsum(sizes)
     return [

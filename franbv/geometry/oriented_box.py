@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.spatial import ConvexHull
 
-FLATNESS = 1e-6
+FLAT_SPREAD = 1e-6
 """Spread below this share of the largest spread counts as none: a choice far above rounding, far below a voxel."""
 
 CHUNK = 2_000_000
@@ -70,7 +70,7 @@ def oriented_box(points: Float[np.ndarray, "n 3"], minimum_side: float = 0.0) ->
         raise ValueError("a box around no points is undefined")
     points = np.asarray(points, float)
     _, spread, principal = np.linalg.svd(np.linalg.qr(points - points.mean(axis=0), mode="r"))
-    rank = int(np.sum(spread > max(FLATNESS * spread[0], 1e-12)))
+    rank = int(np.sum(spread > max(FLAT_SPREAD * spread[0], 1e-12)))
     if rank == 3:
         vertices, frames = _flush_frames_of_solid(points)
     elif rank == 2:

@@ -28,7 +28,7 @@ that looks alike from both sides [px]."""
 
 
 @dataclass(frozen=True, eq=False)
-class Geometry:
+class GeometricLimits:
     """Where geometry forbids depth, or the dots; all maps of the left image at full resolution.
 
     Read off the exact maps of the pose, so it is the same whatever the surfaces are made of. A pixel's window is all
@@ -46,7 +46,7 @@ class Geometry:
     """The window holds a point outside the projector's field."""
 
 
-def geometry(camera: SimulatedD435i, truth: Truth) -> Geometry:
+def geometry(camera: SimulatedD435i, truth: Truth) -> GeometricLimits:
     """From the exact maps of the pose."""
     coding = camera.settings.depth
     nearest = max(camera.rig.min_z, coding.clamp_min * coding.unit)
@@ -57,7 +57,7 @@ def geometry(camera: SimulatedD435i, truth: Truth) -> Geometry:
     no_overlap = present & ~truth.in_right_image
     hidden = truth.in_right_image & ~truth.visible_from_right
     broken = near(hidden | depth_edges(disparity)) | steep_windows(disparity)
-    return Geometry(
+    return GeometricLimits(
         _first([out_of_range, no_overlap, hidden], Cause.OCCLUSION),
         _first([near(out_of_range), near(no_overlap), broken], Cause.OCCLUSION_WINDOW),
         near(present & ~truth.visible_from_projector),

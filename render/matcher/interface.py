@@ -13,6 +13,11 @@ SUBPIXEL_STEPS = 32
 """Disparity steps per pixel; the chip's own thresholds are counted in 1/32 px (librealsense, `STDepthControlGroup`)."""
 
 
+PATH_MARGIN = 48
+"""Pixels around a window that are matched with it, so that paths settle before they reach it [px]; choice: a path
+forgets where it began after the few steps in which costs outweigh P2, and 48 are several dots."""
+
+
 @dataclass(frozen=True)
 class Window:
     """The pixels of the left image whose disparity is wanted."""

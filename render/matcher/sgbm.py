@@ -8,16 +8,13 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float32, UInt8
 
-from render.matcher.interface import N_DISPARITIES, StereoMatcher, Window
+from render.matcher.interface import N_DISPARITIES, PATH_MARGIN, StereoMatcher, Window
 
 OPENCV_STEPS = 16
 """StereoSGBM returns int16 disparities in 1/16 px, a subset of the interface's 1/32 px grid."""
 
 OPENCV_MULTIPLE = 16
 """StereoSGBM searches whole multiples of 16 disparities; what is beyond the wanted ones is thrown away."""
-
-PATH_MARGIN = 48
-"""Pixels matched around a window so that the optimisation's paths have settled where it begins [px]; choice."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +38,6 @@ class SgbmMatcher(StereoMatcher):
     texture_range: int = 4
     """Smallest intensity range in the 9 x 9 neighbourhood [DN]. Choice: the range of 81 pixels of pure image noise
     of 0.5 DN is about 2.5 DN, and without this gate StereoSGBM fills empty background with nonsense."""
-    shift: int = 0
-    """Added to every search's start, the chip's `disparityShift` [px]."""
     full_paths: bool = False
     """Eight paths (MODE_HH, slow, whole volume in memory) instead of three (MODE_SGBM_3WAY)."""
 
@@ -55,9 +50,11 @@ class SgbmMatcher(StereoMatcher):
         n_disparities: int = N_DISPARITIES,
     ) -> Float32[np.ndarray, "n h w"]:
         """Disparities [px], 0 = invalid; see `StereoMatcher.match_burst`."""
-        window, start = window or Window.whole(lefts.shape), min_disparity + self.shift
+        window = window or Window.whole(lefts.shape)
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            frames = pool.map(lambda left, right: self._match(left, right, window, start, n_disparities), lefts, rights)
+            frames = pool.map(
+                lambda left, right: self._match(left, right, window, min_disparity, n_disparities), lefts, rights
+            )
             return np.stack(list(frames))
 
     def _match(

@@ -12,7 +12,7 @@ from materials.energy_compensation import albedo_table, multiple_scattering_refl
 from materials.material import RoughConductor
 from render.world import backend
 
-PLUGIN = "compensated_conductor"
+CONDUCTOR_PLUGIN = "compensated_conductor"
 NEGLIGIBLE_LOSS = 0.01
 """Mean lost share below which the second lobe is left out (choice: under one grey value at mid grey)."""
 
@@ -32,7 +32,7 @@ def conductor_description(metal: RoughConductor) -> dict[str, Any]:
         return bare
     _register()
     return {
-        "type": PLUGIN,
+        "type": CONDUCTOR_PLUGIN,
         "n": float(metal.n),
         "k": float(metal.k),
         "alpha_u": float(metal.alpha_u),
@@ -116,4 +116,4 @@ def _register() -> None:
         def to_string(self) -> str:
             return f"CompensatedConductor[{self.bare}]"
 
-    mi.register_bsdf(PLUGIN, CompensatedConductor)
+    mi.register_bsdf(CONDUCTOR_PLUGIN, CompensatedConductor)

@@ -18,14 +18,14 @@ from materials.measured_file import check_measured_file, read_tensor, tensor_fie
 from materials.optical_constants import WAVELENGTH_NM
 from render.world import backend
 
-PLUGIN = "measured_at_wavelength"
+MEASURED_PLUGIN = "measured_at_wavelength"
 
 
 def measured_description(path: Path, wavelength_nm: float = WAVELENGTH_NM) -> dict[str, Any]:
     """Mitsuba dictionary of a spectral `.bsdf` file; InputError when it is none or does not cover the wavelength."""
     check_measured_file(path, wavelength_nm)
     _register()
-    return {"type": PLUGIN, "filename": str(path), "wavelength_nm": float(wavelength_nm)}
+    return {"type": MEASURED_PLUGIN, "filename": str(path), "wavelength_nm": float(wavelength_nm)}
 
 
 def values_at(
@@ -41,7 +41,7 @@ def values_at(
 @functools.cache
 def _register() -> None:
     """Make the plugin known to the Mitsuba variant in use."""
-    backend.mitsuba().register_bsdf(PLUGIN, _plugin_class())
+    backend.mitsuba().register_bsdf(MEASURED_PLUGIN, _plugin_class())
 
 
 def _elevation(w: Any) -> Any:

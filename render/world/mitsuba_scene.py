@@ -27,7 +27,7 @@ FIRST_LAMP = 192
 
 
 @dataclass(frozen=True, eq=False)
-class Geometry:
+class SceneGeometry:
     """The shapes of a Mitsuba scene, whatever they are made of; a lamp is two triangles in it."""
 
     scene: Any
@@ -56,7 +56,7 @@ class LoadedScene:
     one radiance from all directions.
     """
 
-    geometry: Geometry
+    geometry: SceneGeometry
     glossy_of_body: Any
     """Dr.Jit lookup (UInt32), NO_BODY + 1 entries: 1 where a body is not Lambertian; 0 for nothing and lamps."""
     albedo_of_body: Any
@@ -134,7 +134,7 @@ def load_scene(scene: Scene, known: LoadedScene | None = None) -> LoadedScene:
     )
 
 
-def _geometry(scene: Scene) -> Geometry:
+def _geometry(scene: Scene) -> SceneGeometry:
     """Load the shapes; meshes that carry the same kinds of vertex data are joined."""
     mi = backend.mitsuba()
 
@@ -150,7 +150,7 @@ def _geometry(scene: Scene) -> Geometry:
     first_face = np.zeros(max(numbers, default=0) + 1, np.uint32)
     first_face[numbers] = np.cumsum([0, *(len(of_face) for of_face in bodies)])[:-1]
     of_face = np.concatenate([*bodies, [NO_BODY]])  # an empty scene must be looked up too
-    return Geometry(loaded, mi.UInt32(first_face), mi.UInt32(of_face.astype(np.uint32)))
+    return SceneGeometry(loaded, mi.UInt32(first_face), mi.UInt32(of_face.astype(np.uint32)))
 
 
 def _number(pointer: Any) -> int:

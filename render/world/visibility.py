@@ -6,7 +6,7 @@ from jaxtyping import Bool, Float
 from render.world import backend
 from render.world.mitsuba_scene import LoadedScene
 
-DIRECTIONS = 256
+SEARCH_DIRECTIONS = 256
 """Directions tried, about 9 deg apart (choice: through a narrower gap no stereo pair sees at 0.3 m)."""
 LOWEST_ELEVATION = np.radians(10.0)
 """Of a view [rad] (choice: the planner's lowest candidates stand at a polar angle of 80 deg)."""
@@ -24,7 +24,7 @@ def seen_from_above(
     points [m] and outward unit normals, world frame. Exact rays against all bodies, table included.
     """
     seen = np.zeros(len(points), bool)
-    directions = upper_directions(DIRECTIONS)
+    directions = upper_directions(SEARCH_DIRECTIONS)
     for start in range(BATCH):  # every BATCH-th direction, so that each batch spans the hemisphere
         batch = directions[start::BATCH]
         point, direction = np.nonzero(~seen[:, None] & (normals @ batch.T > 1e-3))

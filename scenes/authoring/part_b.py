@@ -9,7 +9,7 @@ from build123d import Axis, Box, Pos, Rot, Shape, Solid, chamfer, fillet
 
 from scenes.authoring.drawing import DrawnBody, DrawnPart, along, hexagon, tube, turned
 
-HEIGHT, DEPTH = 27.0, 40.0
+VALVE_HEIGHT, DEPTH = 27.0, 40.0
 LEFT, RIGHT = -46.0, 46.0
 """Ends of the aluminium block [mm]."""
 OUTLETS, INLETS = (-13.0, 13.0), (-26.0, 0.0, 26.0)
@@ -18,8 +18,10 @@ OUTLETS, INLETS = (-13.0, 13.0), (-26.0, 0.0, 26.0)
 
 def part_b() -> DrawnPart:
     """Valve of about 150 x 85 x 72 mm lying on its lower face."""
-    fittings = [along(x, DEPTH / 2, HEIGHT / 2, "+y") for x in OUTLETS] + [along(0, -DEPTH / 2, HEIGHT / 2, "-y")]
-    silencers = [along(x, -DEPTH / 2, HEIGHT / 2, "-y") for x in (INLETS[0], INLETS[2])]
+    fittings = [along(x, DEPTH / 2, VALVE_HEIGHT / 2, "+y") for x in OUTLETS] + [
+        along(0, -DEPTH / 2, VALVE_HEIGHT / 2, "-y")
+    ]
+    silencers = [along(x, -DEPTH / 2, VALVE_HEIGHT / 2, "-y") for x in (INLETS[0], INLETS[2])]
     brass = [at * s for at in fittings for s in _push_in_fitting()] + [at * _silencer_hexagon() for at in silencers]
     return DrawnPart(
         "B",
@@ -43,17 +45,17 @@ def part_b() -> DrawnPart:
 
 def _block() -> Shape:
     """Block with two cross holes for mounting and a label recess on top."""
-    block = Pos((LEFT + RIGHT) / 2, 0, HEIGHT / 2) * chamfer(Box(RIGHT - LEFT, DEPTH, HEIGHT).edges(), 0.8)
+    block = Pos((LEFT + RIGHT) / 2, 0, VALVE_HEIGHT / 2) * chamfer(Box(RIGHT - LEFT, DEPTH, VALVE_HEIGHT).edges(), 0.8)
     for x, y in ((-36, 14), (36, -14)):
-        block = block - Pos(x, y, -1) * Solid.make_cylinder(2.15, HEIGHT + 2)
-        block = block - Pos(x, y, HEIGHT - 4.5) * Solid.make_cylinder(3.8, 6)
-    return block - Pos(0, 0, HEIGHT) * Box(44, 22, 1.0)
+        block = block - Pos(x, y, -1) * Solid.make_cylinder(2.15, VALVE_HEIGHT + 2)
+        block = block - Pos(x, y, VALVE_HEIGHT - 4.5) * Solid.make_cylinder(3.8, 6)
+    return block - Pos(0, 0, VALVE_HEIGHT) * Box(44, 22, 1.0)
 
 
 def _plastic_ends() -> list[Shape]:
     """Pilot housing on the left with its override, end cap on the right."""
-    pilot = Pos(LEFT - 13.5, 0, HEIGHT / 2) * fillet(Box(27, DEPTH - 2, HEIGHT - 1).edges(), 1.5)
-    cap = Pos(RIGHT + 5, 0, HEIGHT / 2) * fillet(Box(10, DEPTH - 1, HEIGHT - 0.6).edges(), 1.2)
+    pilot = Pos(LEFT - 13.5, 0, VALVE_HEIGHT / 2) * fillet(Box(27, DEPTH - 2, VALVE_HEIGHT - 1).edges(), 1.5)
+    cap = Pos(RIGHT + 5, 0, VALVE_HEIGHT / 2) * fillet(Box(10, DEPTH - 1, VALVE_HEIGHT - 0.6).edges(), 1.2)
     return [pilot, cap]
 
 
@@ -61,9 +63,9 @@ def _coil() -> list[Shape]:
     """Coil of 30 x 30 x 36 mm over the pilot, with a DIN connector and its cable gland on the far side."""
     x = LEFT - 13.0
     coil = fillet(Box(30, 30, 36).edges().filter_by(Axis.Z), 6.0)
-    upright = Pos(x, 0, HEIGHT - 0.5 + 18) * coil
-    connector = Pos(x - 24, 0, HEIGHT + 17) * fillet(Box(20, 27, 27).edges(), 2.0)
-    gland = Pos(x - 27, 0, HEIGHT + 3.6) * Rot(180, 0, 0) * hexagon(16.0, 0.0, 8.0, 3.2)
+    upright = Pos(x, 0, VALVE_HEIGHT - 0.5 + 18) * coil
+    connector = Pos(x - 24, 0, VALVE_HEIGHT + 17) * fillet(Box(20, 27, 27).edges(), 2.0)
+    gland = Pos(x - 27, 0, VALVE_HEIGHT + 3.6) * Rot(180, 0, 0) * hexagon(16.0, 0.0, 8.0, 3.2)
     return [upright, connector, gland]
 
 
@@ -91,9 +93,9 @@ def _silencer() -> Shape:
 def _screws() -> list[Shape]:
     """Cap screws in the end cap and in the connector, and the nut that holds the coil on its tube."""
     cap = [along(RIGHT + 10, y, z, "+x") * SocketHeadCapScrew("M4-0.7", 8) for y in (-14, 14) for z in (6.5, 20.5)]
-    pilot = [Pos(LEFT - 8, y, HEIGHT - 0.5) * SocketHeadCapScrew("M3-0.5", 6) for y in (-16.2, 16.2)]
-    top = HEIGHT + 35.5
+    pilot = [Pos(LEFT - 8, y, VALVE_HEIGHT - 0.5) * SocketHeadCapScrew("M3-0.5", 6) for y in (-16.2, 16.2)]
+    top = VALVE_HEIGHT + 35.5
     nut = Pos(LEFT - 13, 0, top) * HexNut("M8-1.25")
     stem = Pos(LEFT - 13, 0, top - 2) * tube(4.0, 0.0, 0.0, 10.0, 0.8)
-    connector = along(LEFT - 47, 0, HEIGHT + 17, "-x") * SocketHeadCapScrew("M3-0.5", 6)
+    connector = along(LEFT - 47, 0, VALVE_HEIGHT + 17, "-x") * SocketHeadCapScrew("M3-0.5", 6)
     return [*cap, *pilot, nut, stem, connector]

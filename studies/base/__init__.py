@@ -1,1 +1,1 @@
-"""What every command stands on: configurations, flags, console, case folders. Knows no study and no renderer."""
+"""What every command stands on: configurations, flags, console, files, case folders. Knows no study and no renderer."""

@@ -9,6 +9,9 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+JSON_SCHEMA = 1
+"""Of what `--json` prints; it rises when a figure is renamed or means something else."""
+
 
 def say(text: str) -> None:
     """One paragraph of the result, on stdout."""
@@ -23,8 +26,8 @@ def warn(text: str) -> None:
 
 
 def say_json(values: Mapping[str, Any]) -> None:
-    """The summary for machines: one line, one object."""
-    say(strict_json(values))
+    """The summary for machines: one line, one object, with the version of what all such objects hold."""
+    say(strict_json({"schema": JSON_SCHEMA, **values}))
 
 
 def strict_json(values: Any, indent: int | None = None) -> str:

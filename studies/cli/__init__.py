@@ -1,1 +1,1 @@
-"""The command line."""
+"""The command line, and the commands that are no study: doctor, frame, match, reconstruct, report."""

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,8 @@ from render.matcher.d4.matcher import D4Matcher
 from render.world import backend
 from studies.base.console import say, say_json
 from studies.base.flags import parse
+from studies.work.maker import instruction_set
+from studies.work.workers import usable_processors
 
 MEMORY_NEEDED = 2 * 2**30
 """[bytes]: the most that a reconstruction may take."""
@@ -34,6 +37,13 @@ RENDER_TIMEOUT = 300.0
 
 TEST_SHIFT_PX = 20
 """Disparity of the matcher's test pair [px]: choice, in the middle of the usual ones."""
+
+
+BROKEN_INSTALLATION = (ImportError, OSError, subprocess.SubprocessError)
+"""What a package raises that is not whole."""
+FOREIGN = ("numba", "llvmlite", "drjit", "mitsuba")
+"""Packages whose own errors speak of themselves."""
+REINSTALL = "reinstall the packages: `make setup` in the repository, or pip install --force-reinstall franbv"
 
 
 @dataclass(frozen=True)
@@ -74,7 +84,7 @@ def run(args: list[str]) -> int:
 
 def diagnose() -> list[Check]:
     """All checks. One that breaks is one that failed, never a traceback; without a renderer its speed is not asked."""
-    checks = [_guarded(check) for check in (python, packages, memory, disk, matcher, renderer)]
+    checks = [_guarded(check) for check in (python, packages, processor, memory, disk, matcher, renderer)]
     return checks if checks[-1].mend is not None else [*checks, _guarded(rays)]
 
 
@@ -94,6 +104,12 @@ def packages() -> Check:
     if wrong:
         return Check("packages", "; ".join(wrong), "pip install --upgrade franbv, or `make setup` in its repository")
     return Check("packages", f"{len(needed)} as required; {', '.join(pins)}")
+
+
+def processor() -> Check:
+    """Its widest vector instructions: the same seed gives the same bytes only where they are the same."""
+    count = usable_processors()
+    return Check("processor", f"{instruction_set()}, {count} {'processor' if count == 1 else 'processors'} to use")
 
 
 def matcher() -> Check:
@@ -121,14 +137,13 @@ def renderer() -> Check:
         library = backend.find_llvm()
         version = ".".join(map(str, backend.llvm_version()))
         name += f" on LLVM {version} ({library.name if library else 'of the system'})"
-    processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return Check("renderer", f"{name}, {backend.thread_count()} threads on {processors} processors")
+    return Check("renderer", f"{name}, {backend.thread_count()} threads on {usable_processors()} processors")
 
 
 def rays() -> Check:
     """Measured speed of a small scene, in a process of its own since a broken LLVM or driver aborts the process."""
     # The folder of the packages comes first on the path: the tool may run from a checkout that is not installed.
-    root = str(Path(backend.__file__).resolve().parents[1])
+    root = str(Path(backend.__file__).resolve().parents[2])
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))}
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run(
@@ -173,8 +188,11 @@ def _guarded(check: Callable[[], Check]) -> Check:
         return check()
     except InputError as error:
         return Check(check.__name__, "not usable", " ".join(str(error).split()))
-    except Exception as error:  # a broken installation breaks anywhere
-        mend = "reinstall the packages: `make setup` in the repository, or pip install --force-reinstall franbv"
+    except Exception as error:  # nothing may keep the other checks from being made
+        broken = isinstance(error, BROKEN_INSTALLATION) or type(error).__module__.partition(".")[0] in FOREIGN
+        mend = REINSTALL if broken else "this is a fault of franbv itself: report it, with what FRANBV_DEBUG=1 shows"
+        if os.environ.get("FRANBV_DEBUG") == "1":
+            traceback.print_exc()
         return Check(check.__name__, f"{type(error).__name__}: {' '.join(str(error).split())}", mend)
 
 

@@ -2,8 +2,10 @@
 
 import contextlib
 import importlib
+import os
 import signal
 import sys
+import traceback
 from collections.abc import Iterator, Sequence
 
 from materials.input_error import InputError
@@ -32,6 +34,8 @@ COMMANDS = {
 }
 """Command, of one word or two -> (module with `run(args) -> exit status`, what it does)."""
 
+DEBUG_VARIABLE = "FRANBV_DEBUG"
+"""Set to 1, an error in one line is preceded by where it came from."""
 DONE, CHECK_FAILED, BAD_INPUT = 0, 1, 2
 """Exit statuses."""
 
@@ -59,6 +63,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         with _stopped_by_signals():
             return _run(args)
     except InputError as error:
+        if os.environ.get(DEBUG_VARIABLE) == "1":
+            traceback.print_exc()
         return _complain(args[0], str(error), BAD_INPUT)
     except Stopped as stop:
         return _complain(args[0], f"stopped by {stop}; the same command takes the work up again", stop.exit_status)
@@ -80,7 +86,7 @@ def overview(group: str = "") -> str:
             *(f"  {name:<{width}}  {summary}" for name, summary in shown.items()),
             "",
             "franbv COMMAND --help lists a command's options.",
-            "Exit status: 0 done, 1 a check failed, 2 bad input.",
+            "Exit status: 0 done, 1 a check failed, 2 bad input. FRANBV_DEBUG=1 shows where an error came from.",
             "",
         ]
     )

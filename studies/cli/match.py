@@ -4,7 +4,7 @@ import math
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 import tyro
@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from materials.input_error import InputError
 from render.depth.coding import DepthFormat, metres_from_z16, z16_from_disparity
-from render.matcher.by_name import matcher_by_name
+from render.matcher.by_name import MatcherName, matcher_by_name
 from render.matcher.d400_preset import D400Preset, is_file_name, load_preset
 from studies.base.console import say, say_json, warn
 from studies.base.flags import parse
@@ -49,7 +49,7 @@ class MatchCommand:
     (then holes alone are scored)."""
     reference_unit: Annotated[float | None, tyro.conf.arg(metavar="M")] = None
     """Depth of one step of the reference [m]; the default is the preset's depth unit, 0.001 if it names none."""
-    matcher: Literal["d4", "sgbm"] = "d4"
+    matcher: MatcherName = "d4"
     """`d4` fails like the camera's chip; `sgbm` is OpenCV's StereoSGBM."""
     preset: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "default"
     """Preset of the RealSense viewer: default, high_accuracy, high_density, medium_density, hand, or a JSON file."""
@@ -75,7 +75,7 @@ def run(args: list[str]) -> int:
 
     matcher = matcher_by_name(command.matcher, preset)
     start = time.perf_counter()
-    disparity = matcher.match(left, right)
+    disparity = matcher.match(left, right, None, preset.shift)
     elapsed = time.perf_counter() - start
     if command.out:
         coding = DepthFormat(unit=preset.depth_unit)

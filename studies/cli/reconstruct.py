@@ -7,9 +7,9 @@ from studies.run.reconstruct import ReconstructSettings, check_workspace, resolv
 from studies.run.run_case import RUN_COMMAND
 from studies.run.scene_settings import build_subject
 from studies.run.sentences import run_paragraph
-from studies.run.stored_run import CLOUD, FILTERED_CLOUD, REPORT, RUN, TABLE, TIMINGS, StoredRun
+from studies.run.stored_run import ACQUISITIONS, CLOUD, FILTERED_CLOUD, REPORT, RUN, TIMINGS, StoredRun
 
-FILES = (REPORT, RUN, TABLE, TIMINGS, CLOUD, FILTERED_CLOUD)
+FILES = (REPORT, RUN, ACQUISITIONS, TIMINGS, CLOUD, FILTERED_CLOUD)
 """What the output folder itself shows of the case."""
 
 _HELP = "Reconstruct a part with a next-best-view planner, from the first view until a stop rule ends the run."

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import tyro
 
-from materials.input_error import InputError
 from studies.base.console import say, say_json
 from studies.base.flags import parse
 from studies.run.stored_run import stored_runs
@@ -40,20 +39,8 @@ def run(args: list[str]) -> int:
 def _rebuilt_reports(folder: Path) -> list[Path]:
     for name, module in STUDIES.items():
         if (folder / name).is_file():
-            return [_rebuilt(importlib.import_module(module).rebuild, folder)]
+            return [importlib.import_module(module).rebuild(folder)]
     cases = stored_runs(folder)
     from studies.run.report.page import write_report
 
-    return [_rebuilt(write_report, case) for case in cases]
-
-
-def _rebuilt(write_report, case: Path) -> Path:
-    try:
-        return write_report(case)
-    except (OSError, ValueError, KeyError) as error:
-        if isinstance(error, InputError):
-            raise
-        reason = f"{type(error).__name__}: {error}"
-        raise InputError(
-            f"{case}: the stored results are incomplete or damaged ({reason}); remove it, run it again"
-        ) from None
+    return [write_report(case) for case in cases]

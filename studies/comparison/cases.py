@@ -114,7 +114,7 @@ def run_settings(
         material=(preset.corner,) if part == CORNER and preset.corner else (),
         lamps=preset.lamps,
         sensor=preset.sensor,
-        planner=planner,  # type: ignore[arg-type]
+        planner=planner,
         azimuth_deg=azimuth,
         seed=seed_at(preset.seed, azimuth),
         parameters=preset.parameters,

@@ -17,6 +17,7 @@ from studies.base.console import say, say_json, strict_json, warn
 from studies.base.flags import parse
 from studies.base.inputs import check_not_overwritten
 from studies.base.output_errors import prepare_output
+from studies.base.reading import reading
 from studies.comparison.cases import RUNS, PlannedRun, check_runs, jobs, planned_runs
 from studies.comparison.links import LINKS
 from studies.comparison.planning_speed import SPEED_JOB, SpeedTask, is_measured, measure_speed
@@ -165,7 +166,11 @@ def evaluate(
 def stored_summary(out: Path) -> dict[str, Any]:
     """What the last command that came to its end stored; its failures, and the wall time of the study [s]."""
     path = out / SUMMARY
-    return json.loads(path.read_text()) if path.exists() else {"failures": [], "wall_s": 0.0}
+    if not path.exists():
+        return {"failures": [], "wall_s": 0.0}
+    with reading(path, "move it away, and give the study's command again"):
+        stored = json.loads(path.read_text())
+        return {"failures": stored["failures"], "wall_s": float(stored["wall_s"])}
 
 
 def rebuild(out: Path) -> Path:

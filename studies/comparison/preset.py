@@ -1,10 +1,11 @@
 """What the comparison of planners runs: parts, planners, repetitions and ablations, read from a preset or a file."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from franbv.parameters import Parameters
+from franbv.parameters import Count, Parameters
+from franbv.planners import PlannerName
 from materials.suggestion import suggest
 from render.d435i import SensorSettings
 from scenes.parts import PART_NAMES
@@ -15,8 +16,6 @@ from studies.run.scene_settings import check_sensor, mounted
 
 CORNER = "inside_corner"
 """The subject whose faces mirror each other."""
-
-Count = Annotated[int, Field(ge=1)]
 
 
 class ComparisonPreset(Preset):
@@ -30,7 +29,7 @@ class ComparisonPreset(Preset):
     """Of parts A to D."""
     corner: str | None = "stainless_austenitic:bright"
     """Material of the inside corner, None = without it. Choice: a bracket bent from cold-rolled stainless sheet."""
-    planners: tuple[Literal["fra", "pb", "re", "random"], ...] = ("fra", "pb", "re")
+    planners: tuple[PlannerName, ...] = ("fra", "pb", "re")
     """Planners, each on every part."""
     ablations: tuple[str, ...] = ()
     """Ablations by name, each with its planner on `ablated_parts`."""

@@ -118,7 +118,7 @@ def _losses(rows: list[dict[str, Any]]) -> dict[str, float]:
         "candidate_pixels": sum(row["candidate_pixels"] for row in looked),
         "reflective_pixels": sum(row["reflective_pixels"] for row in looked),
         "regions": sum(row["regions"] for row in looked),
-        "activations": sum(row["recovery_poses"] is not None for row in looked),
+        "activations": sum((row["recovery_poses"] or 0) > 0 for row in looked),
         "poses": sum(row["recovery_poses"] or 0 for row in looked),
         "recovery_views": len(gammas),
         "largest_gamma": max(gammas, default=0.0),

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import AfterValidator, Field, model_validator
 
+from franbv.parameters import Share
 from materials.catalog import finish_names, material_names, metal_names
 from materials.input_error import InputError
 from materials.suggestion import suggest
@@ -14,6 +15,7 @@ from materials.user_materials import UserEntry, UserMaterials, checked_entry
 from render.arm.camera_body import CAMERA_BODIES
 from render.d435i import SensorSettings
 from render.imager.settings import LONGEST_EXPOSURE_US, MOST_LASER_POWER_MW
+from render.matcher.by_name import MatcherName
 from render.matcher.d400_preset import UNITS, load_preset
 from render.world.rig import CAMERA_MODELS, Rig
 from scenes.lamps import LIGHTING_NAMES
@@ -44,8 +46,7 @@ def _ordered(limits: tuple[float, float]) -> tuple[float, float]:
 
 Weights = Annotated[dict[str, Annotated[float, Field(ge=0)]], AfterValidator(_weighted)]
 """Name -> how often it is drawn, relative to the others."""
-Share = Annotated[float, Field(ge=0, le=1)]
-Count = Annotated[int, Field(ge=1, le=1_000_000)]
+UpToAMillion = Annotated[int, Field(ge=1, le=1_000_000)]
 Things = Annotated[int, Field(ge=0, le=20)]
 """Of one sort on the table (choice: more find no place on it)."""
 Side = Annotated[float, Field(ge=0.001, le=0.2)]
@@ -141,7 +142,7 @@ class Camera(Config):
     """Stream profiles."""
     model: Literal["d435i", "d415"] = "d435i"
     """Camera of the D400 family."""
-    matcher: Literal["d4", "sgbm"] = "d4"
+    matcher: MatcherName = "d4"
     preset: str = "default"
     """Preset of the RealSense viewer by name, or a JSON file; a relative path counts from the configuration's folder.
     Only what concerns the matcher counts: laser and exposure are drawn, and depth is in whole millimetres."""
@@ -196,7 +197,7 @@ class DatasetConfig(Config):
 
     title: str
     seed: Annotated[int, Field(ge=0)] = 0
-    views: Count = 1000
+    views: UpToAMillion = 1000
     n_frames: Annotated[int, Field(ge=1, le=100)] = 1
     """Depth frames of a view; more than one give the median depth and how often each pixel had none."""
     keep_frames: bool = False

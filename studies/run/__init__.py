@@ -1,1 +1,1 @@
-"""One reconstruction: settings, bursts, recorder, stored result."""
+"""One reconstruction: settings and ablations, bursts, recorder, reference surface, stored result."""

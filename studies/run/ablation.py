@@ -9,19 +9,14 @@ from pydantic import Field
 
 from franbv.parameters import Parameters
 from franbv.planners import PLANNERS, Planner, fra, re
-from franbv.reflective_regions import (
-    View,
-    first_hit_is_frontier,
-    first_hit_of_any,
-    inside_eroded_silhouette,
-    inside_silhouette,
-    persistent_invalid,
-)
+from franbv.reflective_regions import FILTERS, View, first_hit_is_frontier, first_hit_of_any
 from franbv.volumetric_information import Gain
 from studies.base.config import Config
 
-FilterName = Literal["persistence", "silhouette", "erosion", "frontier"]
-"""The detector's filters in the paper's order."""
+FilterName = Literal["persistence", "erosion", "frontier"]
+"""The detector's filters in the paper's order, without the silhouette, which the erosion implies."""
+IMAGE_FILTERS = {"persistence": "persistent_invalid", "erosion": "inside_eroded_silhouette"}
+"""Those that judge pixels in the image, by the names that the detector knows them by."""
 
 TURN_DEG = 45.0
 """Turn of the diamond: halfway to the next pose of four [deg]."""
@@ -36,8 +31,7 @@ class Ablation(Config):
     """N_k, frames per pose [-]."""
     without_filter: FilterName | None = None
     """Filter of the detector that is left out. persistence: a pixel counts that is invalid in the first frame.
-    silhouette: changes nothing, the erosion implies it. erosion: up to the silhouette's edge. frontier: the first
-    ellipsoid on the ray may be an occupied one."""
+    erosion: up to the silhouette's edge. frontier: the first ellipsoid on the ray may be an occupied one."""
     turned_diamond: bool = False
     """The diamond of recovery poses is turned by 45 deg."""
     n_recovery_poses: Literal[4, 6, 8] | None = None
@@ -50,6 +44,8 @@ class Ablation(Config):
     """The mixtures' components may have any shape."""
     unweighted: bool = False
     """Every ellipsoid counts whole, however many are nearer."""
+    ranked_by_depth: bool = False
+    """Ellipsoids are ranked by Z-depth, not by their distance from the camera."""
     gain: Gain | None = None
     """RE: what a voxel is worth to a ray."""
     within_object: bool = False
@@ -66,6 +62,7 @@ class Ablation(Config):
             "recovered_share": self.recovered_share,
             "covariance": "full" if self.full_covariance else None,
             "weight_base": 1.0 if self.unweighted else None,
+            "rank_by": "depth" if self.ranked_by_depth else None,
         }
         return parameters.model_copy(update={name: value for name, value in changes.items() if value is not None})
 
@@ -85,20 +82,15 @@ class Ablation(Config):
 def build_planner(name: str, ablation: Ablation) -> Planner:
     """The planner of this name with those functions exchanged that the ablation exchanges."""
     if name == "fra":
-        filters = {
-            "persistence": persistent_invalid,
-            "silhouette": inside_silhouette,
-            "erosion": inside_eroded_silhouette,
-        }
+        left_out = IMAGE_FILTERS.get(ablation.without_filter or "")
+        filters = {name: keeps for name, keeps in FILTERS.items() if name != left_out}
         if ablation.without_filter == "persistence":
-            filters["persistence"] = invalid_in_first_frame
-        elif ablation.without_filter in filters:
-            del filters[ablation.without_filter]
+            filters = {"invalid_in_first_frame": invalid_in_first_frame, **filters}
         locate = first_hit_of_any if ablation.without_filter == "frontier" else first_hit_is_frontier
-        return fra(tuple(filters.values()), locate)
+        return fra(filters, locate)
     if name == "re":
         return re(ablation.gain or "occlusion_aware", ablation.within_object)
-    return PLANNERS[name]()
+    return PLANNERS[name].build()
 
 
 def invalid_in_first_frame(view: View) -> Bool[np.ndarray, "h w"]:
@@ -130,7 +122,8 @@ ABLATIONS: dict[str, NamedAblation] = {
         for percent in (10, 20, 40, 50, 60)
     },
     "full_covariance": NamedAblation("components of any shape", "fra", Ablation(full_covariance=True)),
-    "unweighted": NamedAblation("no weights by depth", "fra", Ablation(unweighted=True)),
+    "unweighted": NamedAblation("no weights by nearness", "fra", Ablation(unweighted=True)),
+    "ranked_by_depth": NamedAblation("ellipsoids ranked by Z-depth", "fra", Ablation(ranked_by_depth=True)),
     "re_unobserved": NamedAblation("RE, untouched voxels only", "re", Ablation(gain="unobserved")),
     "re_entropy": NamedAblation("RE, entropy up to the first surface", "re", Ablation(gain="entropy")),
     "re_rear_side": NamedAblation("RE, rear sides", "re", Ablation(gain="rear_side")),

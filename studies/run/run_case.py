@@ -1,13 +1,14 @@
 """Runs the loop with any camera and arm, and writes everything that a reconstruction leaves."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from pydantic import Field, model_validator
 
 from franbv.acquisition import Acquisition, Reconstruction
 from franbv.evaluation import Reference, history
 from franbv.parameters import Parameters
+from franbv.planners import PlannerName
 from franbv.reconstruction import reconstruct
 from franbv.sensing import Arm
 from studies.base.atomic_file import write_atomically
@@ -19,7 +20,7 @@ from studies.run.acquisition_table import ACQUISITION_COLUMNS
 from studies.run.bursts import KeptCaptures
 from studies.run.recorder import RunRecorder, cloud_owner, run_summary, surface_arrays, timing_figures
 from studies.run.report.page import write_report
-from studies.run.stored_run import CLOUD, FILTERED_CLOUD, RUN, SURFACE, TABLE, TIMINGS
+from studies.run.stored_run import ACQUISITIONS, CLOUD, FILTERED_CLOUD, RUN, RUN_FORMAT, SURFACE, TIMINGS
 from studies.store.ply import write_ply
 from studies.store.tables import write_rows
 from studies.store.views import write_arrays, write_view
@@ -32,7 +33,7 @@ RUN_COMMAND = "reconstruct"
 class RunSettings(Config):
     """What decides a run, apart from what stands before the camera."""
 
-    planner: Literal["fra", "pb", "re", "random"] = "fra"
+    planner: PlannerName = "fra"
     """fra: FRA-NBV as in the paper. pb: PB-NBV, the same without recovery of reflective regions. re: ray-cast entropy.
     random: any reachable candidate."""
     azimuth_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
@@ -101,8 +102,9 @@ def write_result(
     write_ply(folder / CLOUD, result.cloud, owner)
     write_ply(folder / FILTERED_CLOUD, result.cloud[result.is_mapped], owner[result.is_mapped])
     write_arrays(folder / SURFACE, surface_arrays(reference, recorder))
-    write_rows(folder / TABLE, ACQUISITION_COLUMNS, recorder.finished_rows(past))
+    write_rows(folder / ACQUISITIONS, ACQUISITION_COLUMNS, recorder.finished_rows(past))
     facts: dict[str, Any] = {
+        "format": RUN_FORMAT,
         "command": RUN_COMMAND,
         "case": case_digest(RUN_COMMAND, config),
         "title": title,

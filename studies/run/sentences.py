@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from franbv.planners import PLANNERS
 from studies.base.numbers_as_text import counted, millimetre_words, number, percent
 
 STOP_WORDS = {
@@ -12,20 +13,12 @@ STOP_WORDS = {
 }
 """Why a run ended, by the name of the rule."""
 
-PLANNER_WORDS = {
-    "fra": "FRA-NBV",
-    "fra-robust": "FRA-NBV, robust detector",
-    "pb": "PB-NBV",
-    "re": "ray-cast entropy",
-    "random": "random views",
-}
-"""Planners by their name on the command line."""
-
 
 def run_paragraph(run: Mapping[str, Any], timings: Mapping[str, Any]) -> str:
     """One readable paragraph; `run` is run.json, `timings` timings.json."""
     s = run["summary"]
-    planner = PLANNER_WORDS.get(run["config"]["planner"], run["config"]["planner"])
+    name = run["config"]["planner"]
+    planner = PLANNERS[name].words if name in PLANNERS else name
     effort = f"{counted(s['acquisitions'], 'acquisition')} in {counted(s['nbv_iterations'], 'NBV iteration')}"
     sentences = [
         f"{planner} took {effort} and reconstructed {percent(s['coverage_5mm'])} of the visible surface to within 5 mm "

@@ -5,6 +5,7 @@ Counts, not shares, are stored: shares of any group of rows are sums of counts o
 
 import pyarrow as pa
 
+from franbv.reflective_regions import FILTERS
 from render.labels.causes import HOLES, LEGEND, Cause
 from studies.store.tables import Column
 
@@ -42,25 +43,25 @@ KEYS = (
     Column("main_light", pa.bool_(), "Whether detection and recovery were measured under this light"),
 )
 
-DETECTOR_STAGES = ("persistent_invalid", "inside_silhouette", "inside_eroded_silhouette", "located", "grouped")
-"""Steps of the detector: the three image filters, the one that gives pixels a place, clustering into regions."""
+DETECTOR_STAGES = (*FILTERS, "located", "grouped")
+"""Steps of the detector: the image filters, the one that gives pixels a place, clustering into regions."""
 
-_STAGE_MEANINGS = (
-    "missing in half of the frames",
-    "and inside the silhouette",
-    "and inside the eroded silhouette",
-    "and with a frontier ellipsoid as first hit",
-    "and in a region",
-)
+_STAGE_MEANINGS = {
+    "persistent_invalid": "missing in half of the frames",
+    "inside_silhouette": "and inside the silhouette",
+    "inside_eroded_silhouette": "and inside the eroded silhouette",
+    "located": "and with a frontier ellipsoid as first hit",
+    "grouped": "and in a region",
+}
 
 DETECTION_COLUMNS = (
     Column("reflective", pa.int32(), "Decimated pixels without depth because of reflection; as all that follow, empty "
            "unless detection was measured [px]"),
     *(
         column
-        for stage, meaning in zip(DETECTOR_STAGES, _STAGE_MEANINGS, strict=True)
+        for stage in DETECTOR_STAGES
         for column in (
-            Column(f"found_{stage}", pa.int32(), f"Decimated pixels {meaning} [px]"),
+            Column(f"found_{stage}", pa.int32(), f"Decimated pixels {_STAGE_MEANINGS.get(stage, f'and {stage}')} [px]"),
             Column(f"right_{stage}", pa.int32(), "Of them: reflective [px]"),
         )
     ),

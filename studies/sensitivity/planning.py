@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 from franbv.model import Model, model_with
 from franbv.parameters import Parameters
 from franbv.planners import fra
-from franbv.reflective_regions import Detection
+from franbv.reflective_regions import FILTERS, Detection
 from franbv.sensing import DepthBurst
 from franbv.voxel_map import empty_map
 from render.arm.arm import SimulatedArm
@@ -30,7 +30,7 @@ from studies.store.images import MM
 SCOUT_SAMPLING: dict[str, Any] = plain_paths(8) | {"lamp_points": 4, "indirect_directions": 32}
 """Of the camera that looks from the poses of a hemisphere (choice: half the time of the other views; whichever poses
 look best are measured again)."""
-STAGE_NAMES = dict(zip(DETECTOR_STAGES, (*DETECTOR_STAGES[:3], LOCATED, GROUPED), strict=True))
+STAGE_NAMES = dict(zip(DETECTOR_STAGES, (*FILTERS, LOCATED, GROUPED), strict=True))
 """Steps of the detector by the names of the columns, and by those of the scores."""
 
 

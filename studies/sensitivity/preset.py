@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from franbv.parameters import Parameters
+from franbv.parameters import Count, Parameters
 from materials.catalog import finish_names, material, metal_names
 from materials.suggestion import suggest
 from render.d435i import SensorSettings
@@ -27,7 +27,6 @@ Metres = Annotated[float, Field(ge=0.15, le=1.5)]
 Alpha = Annotated[float, Field(ge=0.005, le=1.0)]
 Milliwatts = Annotated[float, Field(ge=0, le=360)]
 Seed = Annotated[int, Field(ge=0)]
-Count = Annotated[int, Field(ge=1)]
 
 
 class Light(Config):

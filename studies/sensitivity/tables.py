@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from studies.base.case_folder import finished_case
+from studies.base.reading import reading
 from studies.sensitivity.columns import INCIDENCE_COLUMNS, RECOVERY_VIEW_COLUMNS, VIEW_COLUMNS
 from studies.sensitivity.measurement import CASES, RESULT
 from studies.sensitivity.rules import pb_regained, precision, recall, regained
@@ -40,10 +41,11 @@ def gather_tables(out: Path, cases: Iterable[tuple[str, str]]) -> Tables:
     for sweep, digest in cases:
         folder = finished_case(out / CASES, digest)
         if folder is not None:
-            result = json.loads((folder / RESULT).read_text(encoding="utf-8"))
-            for name, columns in TABLES.items():
-                names = [column.name for column in columns]
-                rows[name] += [{key: row.get(key) for key in names} | {"sweep": sweep} for row in result[name]]
+            with reading(folder / RESULT, "copy the study whole, or give its command again with another --out"):
+                result = json.loads((folder / RESULT).read_text(encoding="utf-8"))
+                for name, columns in TABLES.items():
+                    names = [column.name for column in columns]
+                    rows[name] += [{key: row.get(key) for key in names} | {"sweep": sweep} for row in result[name]]
     return Tables(**rows)
 
 

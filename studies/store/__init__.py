@@ -1,1 +1,1 @@
-"""Files that results are kept in: views, images, tables, clouds, label maps."""
+"""Files of results and of real cameras: views, images, stereo pairs, tables, clouds, label maps."""

@@ -1,1 +1,1 @@
-"""The executor: jobs on processes of this machine or on Dask workers."""
+"""Who does jobs: processes of this machine or Dask workers; what they make results with, and how long they take."""

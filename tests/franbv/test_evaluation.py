@@ -33,7 +33,11 @@ def _acquisition(kind, points, voxel_map, activates=False):
     burst = DepthBurst(np.zeros((1, 1, 1), np.float32), Intrinsics(1, 1, 1.0, 1.0, 0.0, 0.0), RigidTransform.identity())
     ellipsoids = Ellipsoids(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros(0, bool))
     model = Model(voxel_map, object_model(voxel_map, PARAMETERS), ellipsoids)
-    poses = RecoveryPoses((), np.zeros(3), np.array([0.0, 0.0, 1.0]), False, 0, 0, 0, 0) if activates else None
+    poses = (
+        RecoveryPoses((RigidTransform.identity(),), np.zeros(3), np.array([0.0, 0.0, 1.0]), False, 0, 0, 0, 0)
+        if activates
+        else None
+    )
     return Acquisition(0, 0, kind, burst, points, model, None, 0, None, poses, None, None, {}, 0.0, 0.0)
 
 

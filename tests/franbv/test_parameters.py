@@ -40,6 +40,8 @@ def test_yaml_round_trip():
         {"polar_min_deg": 85.0},
         {"covariance": "diag"},
         {"n_frames": 0},
+        {"polar_min_deg": 0.0, "polar_max_deg": 0.0},
+        {"hit_probability": 0.5001},
     ],
 )
 def test_mistakes_are_refused(wrong):

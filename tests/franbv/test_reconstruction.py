@@ -94,6 +94,20 @@ def test_recovery_fires_on_a_hole_and_not_without(analytic_camera, free_arm):
     assert all(a.kind != "recovery" for a in without.acquisitions)
 
 
+def test_a_recovery_without_poses_is_no_activation(analytic_camera, free_arm):
+    """Regions are found, but no pose sees them: the arm never moved for them, so nothing was activated."""
+
+    def no_poses(region, *_):
+        return RecoveryPoses((), region.centre, np.array([0.0, 0.0, 1.0]), False, 0, 0, 0, 0)
+
+    run = reconstruct(
+        analytic_camera((BOX,), room=ROOM, hole=_hole_on_top), free_arm(), fra(poses=no_poses), _parameters(), seed=1
+    )
+    assert any(a.detection and a.detection.boxes for a in run.acquisitions)
+    assert not any(a.activates for a in run.acquisitions)
+    assert history(_box_reference(), run.acquisitions).n_activations == 0
+
+
 def test_recoveries_belong_to_their_iteration(analytic_camera, free_arm):
     """Recoveries follow the acquisition that set them off, at most four, and do not count as NBV iterations.
 

@@ -175,7 +175,8 @@ def test_filters_can_be_left_out_and_replaced():
     assert list(everything.masks) == ["persistent_invalid", "inside_silhouette", "inside_eroded_silhouette"]
     assert everything.candidates.any()
     assert not everything.retained.any()  # the sphere is an occupied one
-    kept = detect_reflective_regions(seen, bodies, PARAMETERS, FILTERS[:2], first_hit_of_any)
+    uneroded = {name: keeps for name, keeps in FILTERS.items() if name != "inside_eroded_silhouette"}
+    kept = detect_reflective_regions(seen, bodies, PARAMETERS, uneroded, first_hit_of_any)
     np.testing.assert_array_equal(kept.candidates, disc() & ~hole(u=slice(25, 35)))
     np.testing.assert_array_equal(kept.retained, kept.candidates)
 
@@ -185,8 +186,17 @@ def test_filters_can_be_left_out_and_replaced():
     moved = detect_reflective_regions(seen, bodies, PARAMETERS, locate=half_a_metre_ahead)
     np.testing.assert_allclose(moved.points[:, 2], 0.5)
     assert moved.retained.sum() == everything.candidates.sum()
-    none = detect_reflective_regions(seen, bodies, PARAMETERS, (), first_hit_of_any)
+    none = detect_reflective_regions(seen, bodies, PARAMETERS, {}, first_hit_of_any)
     np.testing.assert_array_equal(none.retained, disc())
+
+
+def test_filters_without_a_name_of_their_own_are_told_apart():
+    """Filters go by their key: of two lambdas each has its own mask, and a candidate passes both."""
+    rows, columns = np.indices((40, 60))
+    filters = {"left": lambda view: columns < 30, "top": lambda view: rows < 20}
+    detection = detect_reflective_regions(burst(hole()), spheres((*SPHERE, True)), PARAMETERS, filters)
+    assert {name: mask.sum() for name, mask in detection.masks.items()} == {"left": 40 * 30, "top": 20 * 60}
+    assert detection.candidates.sum() == 20 * 30
 
 
 def test_nothing_known_nothing_found():
@@ -239,3 +249,15 @@ def test_one_point_seen_by_all_pixels_has_a_box():
     labels, boxes = group_into_boxes(np.zeros((6, 3)), PARAMETERS)
     np.testing.assert_allclose(2 * boxes[0].half_extents, SIZE)
     np.testing.assert_array_equal(labels, 0)
+
+
+@pytest.mark.parametrize("locate", [first_hit_is_frontier, first_hit_of_any])
+def test_nothing_known_gives_no_region(locate):
+    """Before the first voxel is occupied there is no ellipsoid: whatever the filters keep, no ray meets one."""
+    nothing = Ellipsoids(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros(0, bool))
+    found = detect_reflective_regions(
+        burst(hole()), nothing, PARAMETERS, {"persistent_invalid": persistent_invalid}, locate
+    )
+    assert found.candidates.all()
+    assert not found.retained.any()
+    assert found.boxes == ()

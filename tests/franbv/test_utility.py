@@ -10,7 +10,7 @@ from franbv.ellipsoids import Ellipsoids
 from franbv.frames import Intrinsics, look_at
 from franbv.geometry.oriented_box import OrientedBox
 from franbv.parameters import Parameters
-from franbv.utility import depth_ranks, recovery_utility, view_utilities, view_utility, visible_depths
+from franbv.utility import nearness, ranks, recovery_utility, view_utilities, view_utility
 
 PARAMETERS = Parameters()
 SENSOR = Intrinsics(60, 40, 40.0, 40.0, 29.5, 19.5)
@@ -33,9 +33,9 @@ def circle(depth: float) -> float:
 
 def test_rank_is_not_the_sorting_order():
     """Depths 0.3, 0.1, 0.2 m rank 2, 0, 1; argsort gives 1, 2, 0, which is who comes first and not a rank."""
-    np.testing.assert_array_equal(depth_ranks(np.array([0.3, 0.1, 0.2])), [2, 0, 1])
-    np.testing.assert_array_equal(depth_ranks(np.array([[0.3, 0.1, 0.2], [1.0, 2.0, 3.0]])), [[2, 0, 1], [0, 1, 2]])
-    np.testing.assert_array_equal(depth_ranks(np.array([0.2, 0.1, 0.2])), [1, 0, 2])
+    np.testing.assert_array_equal(ranks(np.array([0.3, 0.1, 0.2])), [2, 0, 1])
+    np.testing.assert_array_equal(ranks(np.array([[0.3, 0.1, 0.2], [1.0, 2.0, 3.0]])), [[2, 0, 1], [0, 1, 2]])
+    np.testing.assert_array_equal(ranks(np.array([0.2, 0.1, 0.2])), [1, 0, 2])
 
 
 @pytest.mark.parametrize("order", list(permutations([0.2, 0.3, 0.5])))
@@ -63,15 +63,27 @@ def test_weight_base_one_turns_the_weights_off():
 def test_what_is_behind_the_camera_takes_no_rank():
     """A sphere wholly behind has no area and hides nothing: the one in front still counts whole."""
     both = spheres([-0.3, 0.4], [False, True])
-    np.testing.assert_array_equal(visible_depths(both, IDENTITY), [np.inf, 0.4])
+    np.testing.assert_array_equal(nearness(both, IDENTITY, "depth"), [np.inf, 0.4])
     assert view_utility(both, SENSOR, IDENTITY, PARAMETERS) == pytest.approx(circle(0.4))
 
 
-def test_rank_is_by_depth_and_not_by_distance():
-    """A sphere at z = 0.3 m, 0.3 m aside (distance 0.42 m, out of the image), ranks before one at z = 0.4 m."""
+@pytest.mark.parametrize(("rank_by", "weight"), [("distance", 1.0), ("depth", 0.5)])
+def test_rank_is_by_distance_unless_depth_is_asked_for(rank_by, weight):
+    """A sphere at z = 0.3 m, 0.3 m aside (distance 0.42 m, out of the image), is farther than one at z = 0.4 m on the
+    axis: by distance (paper, below eq. (2)) that one counts whole, by depth half."""
     pair = spheres([0.4, 0.3], [True, True])
     pair.centres[1, 0] = 0.3
-    assert view_utility(pair, SENSOR, IDENTITY, PARAMETERS) == pytest.approx(0.5 * circle(0.4))
+    parameters = PARAMETERS.model_copy(update={"rank_by": rank_by})
+    assert view_utility(pair, SENSOR, IDENTITY, parameters) == pytest.approx(weight * circle(0.4))
+
+
+@pytest.mark.parametrize(("rank_by", "weight"), [("distance", 0.5), ("depth", 1.0)])
+def test_region_is_ranked_by_the_same_measure(rank_by, weight):
+    """A plate at z = 0.25 m, 0.12 m aside (distance 0.277 m), beside a sphere at z = 0.26 m on the axis."""
+    plate = OrientedBox(np.array([0.12, 0.0, 0.25]), np.eye(3), np.array([0.02, 0.02, 1e-9]))
+    parameters = PARAMETERS.model_copy(update={"rank_by": rank_by})
+    found = recovery_utility(spheres([0.26], [True]), plate, SENSOR, IDENTITY, parameters)
+    assert found == pytest.approx((1.5 - weight) * circle(0.26) + weight * 6.4**2)
 
 
 def test_many_poses_are_as_each_alone():

@@ -41,7 +41,10 @@ def area_within_image(pixels: np.ndarray) -> float:
 def utility_by_points(bodies: Ellipsoids, pose, parameters: Parameters) -> float:
     """Sum over the bodies: sign, one half to the power of how many centres are nearer, area of the projected points."""
     to_camera = pose.inv()
-    depths = [to_camera.apply(centre)[2] for centre in bodies.centres]
+    if parameters.rank_by == "distance":
+        depths = [np.linalg.norm(np.subtract(centre, pose.translation)) for centre in bodies.centres]
+    else:
+        depths = [to_camera.apply(centre)[2] for centre in bodies.centres]
     total = 0.0
     for centre, shape, frontier, depth in zip(bodies.centres, bodies.shapes, bodies.is_frontier, depths, strict=True):
         values, vectors = np.linalg.eigh(shape)
@@ -63,8 +66,8 @@ def test_utility_computed_a_second_way(seed):
     bodies = Ellipsoids(rng.uniform(-0.09, 0.09, (10, 3)), shapes, rng.uniform(size=10) < 0.5)
     eyes = rng.normal(size=(5, 3))
     poses = [look_at(0.28 * eye / np.linalg.norm(eye), rng.uniform(-0.02, 0.02, 3)) for eye in eyes]
-    for base in (0.5, 1.0):
-        parameters = Parameters(weight_base=base)
+    for base, rank_by in ((0.5, "distance"), (0.5, "depth"), (1.0, "distance")):
+        parameters = Parameters(weight_base=base, rank_by=rank_by)
         found = view_utilities(bodies, SENSOR, poses, parameters)
         expected = [utility_by_points(bodies, pose, parameters) for pose in poses]
         scale = max(np.abs(expected))

@@ -11,7 +11,7 @@ from franbv.planners import random_views, re
 from franbv.reconstruction import reconstruct
 from franbv.volumetric_information import GAINS, view_information
 from franbv.voxel_map import VoxelMap
-from studies.comparison.plain_information import plain_information
+from tests.franbv.plain_information import plain_information
 
 SENSOR = Intrinsics(9, 7, 8.0, 8.0, 3.9, 3.2)
 ONE_RAY = Intrinsics(1, 1, 1.0, 1.0, 0.0, 0.0)

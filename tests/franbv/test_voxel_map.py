@@ -6,7 +6,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from franbv.frames import Intrinsics, look_at
 from franbv.parameters import Parameters
-from franbv.sensing import DepthBurst
+from franbv.volumetric_information import view_information
 from franbv.voxel_map import VoxelMap, empty_map, scan_voxels
 
 TINY = Parameters(voxel_size=0.1, workspace_min=(-0.5, -0.4, -0.3), workspace_max=(0.5, 0.4, 0.3))
@@ -140,18 +140,35 @@ def test_centres_and_lookup_are_inverse():
     assert np.any(np.all(np.isclose(centres, 0.0), axis=1))  # a voxel is centred on the table top
 
 
-def test_burst_depth_is_the_median_of_valid_frames():
-    """Pixels: always valid; half invalid (eta = 0.5: invalid); a quarter invalid; never valid; odd count of valid."""
-    depths = np.array(
-        [
-            [[1.0, 1.0, 1.0, 0.0, 9.0]],
-            [[2.0, 0.0, 0.0, 0.0, 3.0]],
-            [[3.0, 0.0, 5.0, 0.0, 4.0]],
-            [[9.0, 3.0, 3.0, 0.0, 0.0]],
-        ],
-        np.float32,
-    )
-    T = RigidTransform.identity()
-    np.testing.assert_allclose(
-        DepthBurst(depths, Intrinsics(5, 1, 1.0, 1.0, 0.0, 0.0), T).median_depth(), [[2.5, 0, 3, 0, 4]]
-    )
+def test_what_hits_and_misses_cancel_is_uncertain_and_not_untouched():
+    """ln(0.6 / 0.4) + ln(0.4 / 0.6) = 0: one hit and one miss leave a voxel as likely occupied as free.
+
+    In single precision the sum may be a hair beside 0, which would call the voxel free or occupied by rounding; and
+    exactly 0 would call it untouched. A wall is seen at 0.3 m, then one behind it through the same voxel.
+    """
+    parameters = Parameters(hit_probability=0.6, miss_probability=0.4)
+    camera, pose = Intrinsics(1, 1, 100.0, 100.0, 0.0, 0.0), look_at(np.array([0.0, 0.0, 0.34]), np.zeros(3))
+    grid = empty_map(parameters)
+    near, far = (grid.updated(np.full((1, 1), z), camera, pose, parameters) for z in (0.2, 0.25))
+    (place,) = np.argwhere(near.occupied)
+    both = near.updated(np.full((1, 1), 0.25), camera, pose, parameters)
+    assert far.free[tuple(place)]
+    assert not both.free[tuple(place)]
+    assert not both.occupied[tuple(place)]
+    assert both.uncertain[tuple(place)]
+    assert both.touched[tuple(place)]
+    assert not grid.touched.any()
+    np.testing.assert_array_equal(both.touched, near.touched | far.touched)
+
+
+def test_unobserved_gain_leaves_cancelled_voxels_out():
+    """RE's variants that count what no ray has met: a voxel whose hits and misses cancel has been met."""
+    log_odds = np.zeros((1, 1, 5), np.float32)
+    cancelled = np.zeros(log_odds.shape, bool)
+    cancelled[0, 0, 1:3] = True
+    grid = VoxelMap(np.zeros(3, np.int64), 1.0, log_odds, cancelled)
+    up = RigidTransform.from_translation([0.0, 0.0, -2.0])
+    ray = Intrinsics(1, 1, 100.0, 100.0, 0.0, 0.0)
+    # Rays lose half of their chance in every voxel of even odds: 1, 1/2, 1/4, 1/8, 1/16.
+    found = view_information(grid, ray, [up], "unobserved")
+    np.testing.assert_allclose(found, np.log(2) * (1 + 1 / 8 + 1 / 16))

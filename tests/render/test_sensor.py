@@ -7,6 +7,7 @@ from pydantic import ValidationError
 
 from materials.input_error import InputError
 from render.matcher.d400_preset import preset_by_name
+from render.matcher.sgbm import SgbmMatcher
 from render.sensor import SensorSettings
 
 EXPORTED = {
@@ -70,10 +71,11 @@ def test_content_decides_not_the_path(tmp_path):
 
 
 def test_the_matcher_is_the_preset_s(tmp_path):
-    """By name, and by a file; OpenCV's has the start of the search alone."""
+    """By name, and by a file; OpenCV's has of it where the search begins, which the rig tells."""
     assert SensorSettings(preset="hand").stereo_matcher.settings == preset_by_name("hand").settings
     shifted = SensorSettings(preset=json.dumps(EXPORTED))
-    assert shifted.stereo_matcher.shift == 20
-    assert shifted.model_copy(update={"matcher": "sgbm"}).stereo_matcher.shift == 20
+    for matcher in ("d4", "sgbm"):
+        settings = shifted.model_copy(update={"matcher": matcher})
+        assert (settings.rig.disparity_shift, settings.stereo_matcher == SgbmMatcher()) == (20, matcher == "sgbm")
     with pytest.raises(InputError, match="no such preset file"):
         SensorSettings(preset=str(tmp_path / "none.json")).resolved()

@@ -7,7 +7,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from materials.input_error import InputError
 from scenes.lamp_spectra import (
     LUMINOUS_EFFICACY,
-    WAVELENGTH_NM,
+    SPECTRUM_NM,
     black_body,
     halogen,
     imager_radiance_per_luminance,
@@ -26,7 +26,7 @@ def test_eye_sensitivity_has_its_published_values():
     assert luminosity(np.array([555.0]))[0] == pytest.approx(1.0, abs=0.01)
     assert luminosity(np.array([510.0]))[0] == pytest.approx(0.503, abs=0.02)
     assert luminosity(np.array([610.0]))[0] == pytest.approx(0.503, abs=0.02)
-    assert np.trapezoid(luminosity(WAVELENGTH_NM), WAVELENGTH_NM) == pytest.approx(106.86, rel=0.01)
+    assert np.trapezoid(luminosity(SPECTRUM_NM), SPECTRUM_NM) == pytest.approx(106.86, rel=0.01)
 
 
 @pytest.mark.parametrize(("temperature", "lumens_per_watt"), [(4000, 54.7), (5800, 93.0), (7000, 95.0)])
@@ -49,7 +49,7 @@ def test_black_body_obeys_stefan_and_boltzmann():
 def test_light_at_850_nm_counts_as_itself():
     """A narrow line at 850 nm of radiance 1 is 1 to the imager, and one at 550 nm counts 0.8 / 0.38 x 550 / 850."""
     for line, weight in ((850.0, 1.0), (550.0, 0.8 / 0.38 * 550 / 850)):
-        spectrum = np.where(line == WAVELENGTH_NM, 1.0, 0.0)  # one sample of 1 nm: radiance 1
+        spectrum = np.where(line == SPECTRUM_NM, 1.0, 0.0)  # one sample of 1 nm: radiance 1
         luminance = LUMINOUS_EFFICACY * luminosity(np.array([line]))[0]
         assert imager_radiance_per_luminance(spectrum) * luminance == pytest.approx(weight, rel=1e-9)
 
@@ -58,8 +58,8 @@ def test_lamp_spectra_are_those_of_real_lamps():
     """White LEDs give 250 to 370 lm per radiant watt (Murphy 2012). A halogen lamp of the same luminance is several
     times brighter to silicon. Silicon sees nothing beyond 1.1 um."""
     spectrum = white_led()
-    seen = LUMINOUS_EFFICACY * np.trapezoid(spectrum * luminosity(WAVELENGTH_NM), WAVELENGTH_NM)
-    assert 280 < seen / np.trapezoid(spectrum, WAVELENGTH_NM) < 340
+    seen = LUMINOUS_EFFICACY * np.trapezoid(spectrum * luminosity(SPECTRUM_NM), SPECTRUM_NM)
+    assert 280 < seen / np.trapezoid(spectrum, SPECTRUM_NM) < 340
     assert 3 < imager_radiance_per_luminance(halogen()) / imager_radiance_per_luminance(white_led()) < 5
     assert quantum_efficiency(np.array([850.0, 1100.0])).tolist() == [0.38, 0.0]
 

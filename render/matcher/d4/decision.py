@@ -14,7 +14,6 @@ from numba import njit
 
 from render.matcher.compiled import compiled
 from render.matcher.d4.lane_instructions import (
-    PART,
     choose,
     is_among,
     is_below,
@@ -27,10 +26,9 @@ from render.matcher.d4.lane_instructions import (
     spread,
     store,
 )
+from render.matcher.d4.lane_types import PART
 from render.matcher.d4.settings import PATHS, D4Settings
 from render.matcher.interface import SUBPIXEL_STEPS
-
-I16 = np.int16
 
 NO_COST = np.int16(32767)
 """Marks lanes outside the search in `Evidence`."""
@@ -111,18 +109,22 @@ def _surface_costs(reference, lanes, planes, plane, at, pitch, radius):
 
     reference: lanes of 32 pixels. lanes[at], planes[at]: what the first of them finds at the window's upper left.
     """
-    low, same, high = spread(I16(0), reference), spread(I16(0), reference), spread(I16(0), reference)
+    low, same, high = spread(np.int16(0), reference), spread(np.int16(0), reference), spread(np.int16(0), reference)
     for dy in range(2 * radius + 1):
         for dx in range(2 * radius + 1):
             i = np.uint64(at + dy * pitch + dx)
             offset = minus(reference, load(lanes, i, reference))
-            under, equal, over = is_equal(offset, I16(-1)), is_equal(offset, I16(0)), is_equal(offset, I16(1))
+            under, equal, over = (
+                is_equal(offset, np.int16(-1)),
+                is_equal(offset, np.int16(0)),
+                is_equal(offset, np.int16(1)),
+            )
             c0, c1 = load(planes, i, reference), load(planes, i + plane, reference)
             c2, c3 = load(planes, i + 2 * plane, reference), load(planes, i + 3 * plane, reference)
             c4 = load(planes, i + 4 * plane, reference)
-            low = plus(low, choose(over, c2, choose(equal, c1, choose(under, c0, I16(0)))))
-            same = plus(same, choose(over, c3, choose(equal, c2, choose(under, c1, I16(0)))))
-            high = plus(high, choose(over, c4, choose(equal, c3, choose(under, c2, I16(0)))))
+            low = plus(low, choose(over, c2, choose(equal, c1, choose(under, c0, np.int16(0)))))
+            same = plus(same, choose(over, c3, choose(equal, c2, choose(under, c1, np.int16(0)))))
+            high = plus(high, choose(over, c4, choose(equal, c3, choose(under, c2, np.int16(0)))))
     return low, same, high
 
 
@@ -139,9 +141,9 @@ def _sum_surfaces(lanes, planes, radius, reference, sums):
             best = load(flat_lanes, np.uint64(at + radius * pitch + radius), like)
             low, same, high = _surface_costs(best, flat_lanes, flat_planes, plane, at, pitch, radius)
             # The paths may hold the winner back by a lane where the surface slopes: fit around the lowest of the three.
-            moved = choose(is_below(low, same), minus(best, I16(1)), best)
-            moved = choose(is_below(high, minimum(low, same)), plus(best, I16(1)), moved)
-            moved = choose(is_below(best, I16(0)), OUTSIDE, moved)
+            moved = choose(is_below(low, same), minus(best, np.int16(1)), best)
+            moved = choose(is_below(high, minimum(low, same)), plus(best, np.int16(1)), moved)
+            moved = choose(is_below(best, np.int16(0)), OUTSIDE, moved)
             low, same, high = _surface_costs(moved, flat_lanes, flat_planes, plane, at, pitch, radius)
             store(flat_reference, out, moved)
             store(flat_sums, out, low)
@@ -196,12 +198,12 @@ def _agreeing_neighbours(padded, radius, tolerance, counts):
     for y in range(h):
         for x in range(0, w, PART):
             lowest = minus(load(flat, np.uint64((y + radius) * pitch + x + radius), like), tolerance)
-            count = spread(I16(0), like)
+            count = spread(np.int16(0), like)
             for dy in range(2 * radius + 1):
                 for dx in range(2 * radius + 1):
                     above_lowest = minus(load(flat, np.uint64((y + dy) * pitch + x + dx), like), lowest)
-                    agrees = is_among(above_lowest, I16(2 * tolerance + 1))
-                    count = choose(agrees, plus(count, I16(1)), count)
+                    agrees = is_among(above_lowest, np.int16(2 * tolerance + 1))
+                    count = choose(agrees, plus(count, np.int16(1)), count)
             store(flat_counts, np.uint64(y * w + x), count)
 
 

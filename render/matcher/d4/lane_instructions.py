@@ -3,9 +3,6 @@
 Numba has no such type, and LLVM's vectoriser neither keeps a pixel's lanes in registers from one step to the next nor
 uses the widest vectors. Written out, they become the vector instructions of whatever processor is there, whole or in
 parts; the results are the same everywhere. All arithmetic wraps at 16 bits.
-
-Lanes are dealt out like cards: with n = 32 p of them, lane d has place 32 (d mod p) + d // p. A step to the next lane
-then is a step to the same place of the next part, but for one part in p.
 """
 
 from collections.abc import Callable
@@ -13,56 +10,16 @@ from typing import Any, no_type_check
 
 from llvmlite import ir
 from numba import types
-from numba.core.datamodel import models
-from numba.extending import intrinsic, register_model
+from numba.extending import intrinsic
 
-_WORD, _INDEX = ir.IntType(16), ir.IntType(64)
+from render.matcher.d4.lane_types import PART, WORD, Lanes, Marks, places
 
-PART = 32
-"""16-bit numbers in the widest vectors that processors have."""
-
-
-def places(n: int) -> list[int]:
-    """Place of each of `n` lanes."""
-    parts = n // PART
-    return [PART * (lane % parts) + lane // parts for lane in range(n)]
-
-
-@no_type_check
-class Lanes(types.Type):
-    """`n` signed 16-bit numbers, `n` a multiple of 32."""
-
-    def __init__(self, n):
-        self.n = n
-        super().__init__(f"Lanes({n})")
-
-
-@no_type_check
-class Marks(types.Type):
-    """`n` truth values, one a lane."""
-
-    def __init__(self, n):
-        self.n = n
-        super().__init__(f"Marks({n})")
-
-
-@no_type_check
-@register_model(Lanes)
-class _LanesModel(models.PrimitiveModel):
-    def __init__(self, manager, kind):
-        super().__init__(manager, kind, ir.VectorType(_WORD, kind.n))
-
-
-@no_type_check
-@register_model(Marks)
-class _MarksModel(models.PrimitiveModel):
-    def __init__(self, manager, kind):
-        super().__init__(manager, kind, ir.VectorType(ir.IntType(1), kind.n))
+_INDEX = ir.IntType(64)
 
 
 @no_type_check
 def _constant(n, numbers):
-    return ir.Constant(ir.VectorType(_WORD, n), list(numbers))
+    return ir.Constant(ir.VectorType(WORD, n), list(numbers))
 
 
 @no_type_check
@@ -74,7 +31,7 @@ def _order(sources):
 @no_type_check
 def _spread(builder, word, n):
     """A vector with the same number in all lanes."""
-    vector = ir.VectorType(_WORD, n)
+    vector = ir.VectorType(WORD, n)
     first = builder.insert_element(ir.Constant(vector, ir.Undefined), word, ir.Constant(ir.IntType(32), 0))
     return builder.shuffle_vector(first, first, _order([0] * n))
 
@@ -89,7 +46,7 @@ def _call(builder, name, args, result):
 @no_type_check
 def _pointer(context, builder, kind, array, first, n):
     data = context.make_array(kind)(context, builder, array).data
-    return builder.bitcast(builder.gep(data, [first]), ir.VectorType(_WORD, n).as_pointer())
+    return builder.bitcast(builder.gep(data, [first]), ir.VectorType(WORD, n).as_pointer())
 
 
 @no_type_check
@@ -236,7 +193,7 @@ def _upper_product(typingctx, a, b):
         wide = ir.VectorType(ir.IntType(32), a.n)
         second = args[1] if b == a else _spread(builder, args[1], a.n)
         product = builder.mul(builder.sext(args[0], wide), builder.sext(second, wide))
-        return builder.trunc(builder.lshr(product, ir.Constant(wide, [16] * a.n)), ir.VectorType(_WORD, a.n))
+        return builder.trunc(builder.lshr(product, ir.Constant(wide, [16] * a.n)), ir.VectorType(WORD, a.n))
 
     return a(a, b if b == a else types.int16), emit
 
@@ -260,7 +217,7 @@ def _lowest(typingctx, a):
     """Lowest number of all lanes."""
 
     def emit(context, builder, signature, args):
-        return _call(builder, f"llvm.vector.reduce.smin.v{a.n}i16", args, _WORD)
+        return _call(builder, f"llvm.vector.reduce.smin.v{a.n}i16", args, WORD)
 
     return types.int16(a), emit
 
@@ -287,7 +244,7 @@ def _first_marked(typingctx, marks):
             round_ = builder.cttz(builder.trunc(of_part, ir.IntType(PART)) if parts > 1 else of_part, none)
             lane = builder.add(builder.mul(round_, ir.Constant(round_.type, parts)), ir.Constant(round_.type, part))
             first = lane if part == 0 else builder.select(builder.icmp_unsigned("<", lane, first), lane, first)
-        return builder.trunc(first, _WORD)
+        return builder.trunc(first, WORD)
 
     return types.int16(marks), emit
 

@@ -13,15 +13,11 @@ from jaxtyping import Float32, Shaped, UInt8
 
 from render.matcher.d4.census import CENSUS_RADIUS, census
 from render.matcher.d4.decision import Evidence, decide
-from render.matcher.d4.lane_instructions import PART, places
+from render.matcher.d4.lane_types import PART, places
 from render.matcher.d4.settings import D4Settings
 from render.matcher.d4.stream import COST_SCALE, stream_kernel
 from render.matcher.d4.support import path_edges, support_arms, support_reciprocals
-from render.matcher.interface import N_DISPARITIES, SUBPIXEL_STEPS, StereoMatcher, Window
-
-PATH_MARGIN = 48
-"""Pixels around a window in which the paths settle before they reach it [px]; choice: a path forgets where it began
-after the few steps in which costs outweigh P2, and 48 are several dots."""
+from render.matcher.interface import N_DISPARITIES, PATH_MARGIN, SUBPIXEL_STEPS, StereoMatcher, Window
 
 BELOW_MARGIN = 16
 """Rows below a window [px]: census 4, aggregation 4, neighbour count 6, median 1."""

@@ -14,7 +14,6 @@ from numba import njit
 
 from render.matcher.compiled import compiled
 from render.matcher.d4.lane_instructions import (
-    PART,
     choose,
     differing,
     first_lane,
@@ -38,6 +37,7 @@ from render.matcher.d4.lane_instructions import (
     store,
     times_two_to,
 )
+from render.matcher.d4.lane_types import PART
 
 U, I64, I16 = np.uint64, np.int64, np.int16
 ONE = U(1)

@@ -1,1 +1,1 @@
-"""The page of a comparison."""
+"""The page of a comparison: its tables, figures and sentences."""

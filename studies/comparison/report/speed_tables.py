@@ -23,16 +23,8 @@ def speed_section(speed: Mapping[str, Any]) -> dict[str, Any]:
 
 def speed_goal_rows(speed: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Each goal with what was measured, and whether it holds."""
-    plain, pb = (speed["goals"][key] for key in ("re_times_faster_than_plain_loop", "pb_decision_s"))
-    differs = max(row["relative_difference"] for row in speed["plain"])
+    pb = speed["goals"]["pb_decision_s"]
     return [
-        {
-            "words": "RE’s rays against the plain Python loop that they are checked against",
-            "goal": f"≥ {plain['at_least']:.0f} times faster",
-            "measured": f"{plain['measured']:.0f} times; {plain['lowest']:.0f} to {plain['highest']:.0f} over the maps "
-            f"(their values differ by at most {differs:.0e})",
-            "holds": plain["measured"] >= plain["at_least"],
-        },
         {
             "words": "One decision of PB",
             "goal": f"≤ {pb['at_most']:.2f} s",

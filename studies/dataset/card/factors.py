@@ -148,7 +148,7 @@ def finish_shares(m: Materials) -> dict[str, float]:
     shares = dict.fromkeys((name for name, weight in m.finishes.items() if weight), 0.0)
     whole = sum(m.metals.values())
     for metal, weight in ((metal, weight) for metal, weight in m.metals.items() if weight):
-        possible = {name: m.finishes[name] for name in shares if name in finish_names(metal)}
+        possible = {name: m.finishes[name] for name in shares if name in finish_names(metal, m.of_user)}
         for name, part in possible.items():
             shares[name] += weight / whole * part / sum(possible.values())
     return shares

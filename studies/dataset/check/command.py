@@ -13,10 +13,11 @@ import tyro
 from materials.input_error import InputError
 from studies.base.console import progress_bar, say, say_json
 from studies.base.flags import parse
+from studies.base.reading import MALFORMED
 from studies.dataset.card.card import card
 from studies.dataset.check.draw import Pool
 from studies.dataset.check.head import camera_problems, model_problems, stray_problems, table_problems
-from studies.dataset.check.scene import UNREADABLE, SceneCheck, check_scene
+from studies.dataset.check.scene import SceneCheck, check_scene
 from studies.dataset.config import DatasetConfig, load_dataset_config
 from studies.dataset.draw.objects import object_pool
 from studies.dataset.format.finished_scenes import gather_scenes
@@ -95,7 +96,7 @@ def other_version(root: Path) -> str | None:
     try:
         made = read_json(root / SPLIT / scene_folders(root)[0] / MANIFEST)
         return unlikeness(made["versions"], versions())
-    except UNREADABLE:
+    except MALFORMED:
         return None
 
 
@@ -104,7 +105,7 @@ def pool_of(root: Path, config: DatasetConfig) -> Pool:
     try:
         top = read_json(root / DATASET)
         same = top["digest"] == dataset_digest(config.model_copy(update={"views": top["config"]["views"]}))
-    except UNREADABLE:
+    except MALFORMED:
         return object_pool(config)  # what is wrong with the dataset is the check's to say
     if not same:
         raise InputError(f"{root}: was not made from this configuration; give the one that it was made from")
@@ -130,7 +131,7 @@ def dataset_problems(root: Path, pool: Pool | None = None) -> tuple[int, list[st
         config = DatasetConfig.model_validate(top["config"])
         digest, objects = str(top["digest"]), list(top["objects"])
         pool = pool or (None if config.objects.cad else object_pool(config))
-    except UNREADABLE as error:
+    except MALFORMED as error:
         return 0, [bounded_line(f"{DATASET}: cannot be read ({type(error).__name__}: {error})")]
     problems = head_problems(root, top, config, pool)
     there = set(scene_folders(root))
@@ -166,7 +167,7 @@ def head_problems(root: Path, top: dict[str, Any], config: DatasetConfig, pool: 
     ):
         try:
             problems += check()
-        except UNREADABLE as error:
+        except MALFORMED as error:
             problems.append(f"{name}: cannot be checked ({type(error).__name__}: {error})")
     return problems
 
@@ -201,5 +202,5 @@ def derived_problems(root: Path, scenes: list[str]) -> Iterator[str]:
         try:
             if bounded_bytes(root / name) != derive():
                 yield f"{name}: is not what the scenes say; a scene or this file was changed"
-        except UNREADABLE as error:
+        except MALFORMED as error:
             yield f"{name}: cannot be checked ({' '.join(str(error).split())})"

@@ -29,7 +29,7 @@ def pair_faults(
     frames: single depth frames [mm]; None where they are not kept. Then a pixel without depth in all frames, or in
     none, must be so in the first one too.
     """
-    disparity = matcher.match(images["gray"], images["gray_right"])
+    disparity = matcher.match(images["gray"], images["gray_right"], None, rig.disparity_shift)
     first = z16_from_disparity(disparity[None], rig.focal_baseline)[0]
     if frames is not None:
         differ = first != frames[0]

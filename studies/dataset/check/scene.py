@@ -9,6 +9,7 @@ import numpy as np
 
 from render.depth.decimation import block_centre_intrinsics
 from studies.base.atomic_file import file_digest
+from studies.base.reading import MALFORMED
 from studies.dataset.check.draw import Pool, difference, draw_faults, drawn_again
 from studies.dataset.check.poses import is_pose, pose_faults
 from studies.dataset.check.view import SceneSaid, ViewSaid, check_view
@@ -23,9 +24,6 @@ from studies.dataset.make.scene_case import SCENE_FORMAT
 
 SAFE_NAME = re.compile(r"[a-z0-9_]+(/[a-z0-9_]+)?\.(png|json)")
 """No path that leaves the folder."""
-UNREADABLE = Exception
-"""What reading something malformed can raise, from a bad number to a nesting without end: whatever it is, the file
-cannot be checked, and that is a problem of the dataset."""
 
 
 @dataclass
@@ -64,12 +62,12 @@ def check_scene(check: SceneCheck) -> SceneCheck:
     try:
         manifest = read_json(check.folder / MANIFEST)
         check_manifest(check, manifest)
-    except UNREADABLE as error:
+    except MALFORMED as error:
         check.report(MANIFEST, f"cannot be read ({error})")
         return check
     try:
         check_contents(check, manifest)
-    except UNREADABLE as error:
+    except MALFORMED as error:
         check.report(SCENE, f"the scene's content cannot be checked ({type(error).__name__}: {error})")
     return check
 
@@ -149,7 +147,7 @@ def check_images(check: SceneCheck, said: SceneSaid, view: ViewSaid) -> list[dic
         return None
     try:
         faults, annotations = check_view(said, view)
-    except UNREADABLE as error:
+    except MALFORMED as error:
         check.report(SCENE, f"view {view.number}: cannot be checked ({type(error).__name__}: {error})")
         return None
     for name, what in faults:

@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float
 
-from materials.input_error import InputError
+from studies.base.reading import reading
 from studies.dataset.format.folders import DATASET, SPLIT, bounded_bytes, existing_dataset, read_json
 from studies.dataset.format.layers import BY_FOLDER, FRAMES, Layer, decoded
 
@@ -31,15 +31,13 @@ class Dataset(Sequence["DatasetView"]):
     def __init__(self, root: str | Path) -> None:
         """Read the list of views; InputError where there is no dataset."""
         self.root = existing_dataset(Path(root))
-        try:
+        with reading(self.root, f"run `franbv dataset check {root}`"):
             self.info: dict[str, Any] = read_json(self.root / DATASET)
             self._keys = [
                 (folder, number)
                 for folder in sorted(path for path in (self.root / SPLIT).glob("*") if _is_scene(path))
                 for number in sorted(map(int, read_json(folder / "scene_camera.json")))
             ]
-        except Exception as error:  # whatever is malformed, down to a nesting without end
-            raise InputError(f"{root}: cannot be read ({error}); run `franbv dataset check {root}`") from None
 
     @property
     def causes(self) -> dict[int, str]:

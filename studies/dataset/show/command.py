@@ -20,7 +20,7 @@ from studies.base.atomic_file import write_atomically
 from studies.base.console import say, say_json
 from studies.base.flags import parse
 from studies.base.output_errors import output_errors
-from studies.dataset.check.scene import UNREADABLE
+from studies.base.reading import MALFORMED
 from studies.dataset.format.finished_scenes import Gathered, gather_scenes
 from studies.dataset.format.folders import existing_dataset
 from studies.dataset.format.reader import Dataset, DatasetView
@@ -64,9 +64,9 @@ def run(args: list[str]) -> int:
         raise InputError(f"{out}: lies in the dataset, which holds nothing but itself; choose another --out")
     try:
         page = page_html(root, command.views)
-    except UNREADABLE as error:
+    except MALFORMED as error:
         words = " ".join(str(error).split())
-        raise InputError(f"{root}: cannot be read ({words}); run `franbv dataset check {root}`") from None
+        raise InputError(f"{root}: cannot be read ({words}); run `franbv dataset check {root}`") from error
     with output_errors(out.parent):
         write_atomically(out, page.encode())
     figures = headline(gather_scenes(root))

@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from studies.base.atomic_file import write_atomically
 from studies.base.numbers_as_text import number, percent
+from studies.base.output_errors import output_errors
 from studies.drawing.templates import asset, environment, page_style
 from studies.run.acquisition_table import RECOVERY
 from studies.run.report.coverage_figure import coverage_figure
@@ -21,9 +22,10 @@ from studies.run.stored_run import REPORT, StoredRun
 
 def write_report(case: Path) -> Path:
     """(Re)build `report.html` from the other files of the case; returns its path."""
-    path = case / REPORT
-    write_atomically(path, report_html(StoredRun(case)).encode())
-    return path
+    page = report_html(StoredRun(case)).encode()
+    with output_errors(case):
+        write_atomically(case / REPORT, page)
+    return case / REPORT
 
 
 def report_html(stored: StoredRun) -> str:

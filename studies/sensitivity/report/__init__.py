@@ -1,1 +1,1 @@
-"""The page of a sensitivity study."""
+"""The page of a sensitivity study: its maps, figures and tables."""

@@ -1,6 +1,6 @@
 """Curves and bars of a sensitivity study, made from its rows; a figure for which nothing was measured is empty."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from markupsafe import Markup
 
@@ -10,12 +10,11 @@ from scenes.build import COUPONS
 from studies.drawing.band_figure import Curve, CurvePanel, band_figure
 from studies.drawing.cause_figure import Bar, cause_figure
 from studies.sensitivity.columns import FALSE_DEPTHS, cause_column
-from studies.sensitivity.report.maps import mapped_rows
+from studies.sensitivity.report.maps import ShareOfRows, mapped_rows
 from studies.sensitivity.shares import Row, column_sum, false_share, hole_share, unusable_share
 from studies.sensitivity.trust import spoken, surface, together
 from studies.statistics.intervals import mean_interval
 
-Share = Callable[[Sequence[Row]], float | None]
 LEAST_PX = 200
 """Pixels of a bin below which a view says nothing about it (choice: a patch of 14 x 14)."""
 TURN_BIN_DEG = 15.0
@@ -54,7 +53,7 @@ def angle_curves(rows: Sequence[Row]) -> tuple[Markup, dict]:
     return band_figure("Shares against angle", panels, "incidence [deg]", angles), facts
 
 
-def seed_points(rows: Sequence[Row], value: Share) -> list:
+def seed_points(rows: Sequence[Row], value: ShareOfRows) -> list:
     """(angle, mean share over seeds)."""
     points = []
     for polar, group in sorted(together(rows, lambda row: row["polar_deg"]).items()):

@@ -9,7 +9,7 @@ from studies.drawing.heat_map_figure import Cell, MapRow, Panel, heat_map_figure
 from studies.sensitivity.shares import Row, column_sum
 from studies.sensitivity.trust import spoken, surface, together
 
-Share = Callable[[Sequence[Row]], float | None]
+ShareOfRows = Callable[[Sequence[Row]], float | None]
 RED, TEAL, BLUE, ORANGE = (200, 69, 59), (31, 140, 120), (44, 108, 176), (217, 123, 22)
 """Of holes, false depth, the detector and the recovery, as in the page's style."""
 
@@ -25,7 +25,7 @@ def _cell_key(row: Row) -> tuple[str, float]:
     return row["material"], row["polar_deg"]
 
 
-def heat_map(title: str, rows: Sequence[Row], value: Share, of: str, colour: tuple[int, int, int]) -> Markup:
+def heat_map(title: str, rows: Sequence[Row], value: ShareOfRows, of: str, colour: tuple[int, int, int]) -> Markup:
     """The share for every material and angle, one panel per distance. of: column of what it is a share of."""
     panels = [
         map_panel(f"{distance:g} m from the middle", group, value, of)
@@ -34,7 +34,7 @@ def heat_map(title: str, rows: Sequence[Row], value: Share, of: str, colour: tup
     return panels_figure(title, rows, panels, colour)
 
 
-def map_panel(title: str, rows: Sequence[Row], value: Share, of: str) -> Panel:
+def map_panel(title: str, rows: Sequence[Row], value: ShareOfRows, of: str) -> Panel:
     """The share for every material and angle."""
     cells = {}
     for (spec, polar), group in together(rows, _cell_key).items():

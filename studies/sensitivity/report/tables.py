@@ -40,7 +40,7 @@ def stage_table(rows: Sequence[Row]) -> Table:
         shares = (right / found if found else None, right / true if true else None)
         lines.append(
             [
-                DETECTOR_STAGE_WORDS[stage],
+                DETECTOR_STAGE_WORDS.get(stage, stage.replace("_", " ")),
                 f"{found:,.0f}",
                 f"{right:,.0f}",
                 *map(percent, shares),

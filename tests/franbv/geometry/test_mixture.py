@@ -7,9 +7,9 @@ from threadpoolctl import threadpool_limits
 
 from franbv.candidates import first_view
 from franbv.geometry.mixture import (
+    EM_TOLERANCE,
     MAX_ITERATIONS,
     REGULARISATION,
-    TOLERANCE,
     Mixture,
     bayesian_information,
     expectation_maximisation,
@@ -37,7 +37,7 @@ def scikit(k: int, covariance: str, seed: int = 0, **start) -> GaussianMixture:
     return GaussianMixture(
         k,
         covariance_type=covariance,
-        tol=TOLERANCE,
+        tol=EM_TOLERANCE,
         max_iter=MAX_ITERATIONS,
         reg_covar=REGULARISATION,
         random_state=seed,

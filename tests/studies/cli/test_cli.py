@@ -187,7 +187,17 @@ def test_report_without_a_result(capsys: pytest.CaptureFixture[str], tmp_path: P
     assert "no such folder" in _one_line(capsys, "report", str(tmp_path / "none"))
     assert "holds no finished reconstruction" in _one_line(capsys, "report", str(tmp_path / "empty"))
     assert "this is a file" in _one_line(capsys, "report", str(tmp_path / "case" / "run.json"))
-    assert "damaged" in _one_line(capsys, "report", str(tmp_path / "case"))
+    (tmp_path / "case" / "views").mkdir()
+    assert "run.json: cannot be read" in _one_line(capsys, "report", str(tmp_path / "case"))
+
+
+def test_debugging_shows_where_an_error_came_from(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
+    """The line stays the last one."""
+    monkeypatch.setenv("FRANBV_DEBUG", "1")
+    assert main(["report", "/no/such/folder"]) == 2
+    err = capsys.readouterr().err
+    assert err.startswith("Traceback")
+    assert err.splitlines()[-1].startswith("franbv report: /no/such/folder: no such folder")
 
 
 def test_open_mesh_is_a_notice_and_no_refusal(tmp_path: Path):

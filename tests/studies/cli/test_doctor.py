@@ -18,7 +18,7 @@ from studies.cli import doctor
 def test_this_machine_is_looked_at_in_full():
     """The tests run in an environment that fits: its packages and its renderer are as required, and it has a speed."""
     checks = {check.name: check for check in doctor.diagnose()}
-    assert list(checks) == ["python", "packages", "memory", "disk", "matcher", "renderer", "rays"]
+    assert list(checks) == ["python", "packages", "processor", "memory", "disk", "matcher", "renderer", "rays"]
     assert checks["python"].mend is None
     assert checks["packages"].mend is None
     assert "mitsuba 3.9.1" in checks["packages"].found
@@ -94,7 +94,8 @@ def test_an_aborted_render_is_a_failed_check(monkeypatch: pytest.MonkeyPatch):
 
 
 def test_a_check_that_breaks_is_a_failed_check():
-    """Input errors bring their own mend, on one line; anything else asks for a new installation."""
+    """Input errors bring their own mend, on one line; a broken package asks for a new installation, a fault of
+    ours does not: it would be there again."""
 
     def mendable() -> doctor.Check:
         raise InputError("no LLVM:\n install one")
@@ -102,6 +103,10 @@ def test_a_check_that_breaks_is_a_failed_check():
     def broken() -> doctor.Check:
         raise OSError("libfoo.so: cannot open shared object file")
 
+    def ours() -> doctor.Check:
+        return doctor.no_such_name  # type: ignore[attr-defined]
+
+    assert "fault of franbv" in (doctor._guarded(ours).mend or "")
     assert doctor._guarded(mendable) == doctor.Check("mendable", "not usable", "no LLVM: install one")
     check = doctor._guarded(broken)
     assert check.found == "OSError: libfoo.so: cannot open shared object file"

@@ -7,7 +7,7 @@ from studies.comparison.planning_speed import goals
 SIZES = {"voxels": (64, 128), "candidates": (32, 128), "pixels": (60, 160)}
 
 
-def made_speed(plain_view_s: float = 0.6, view_s: float = 0.004, map_s: float = 0.01) -> dict[str, Any]:
+def made_speed(map_s: float = 0.01) -> dict[str, Any]:
     """PB: map, object 10 ms, ellipsoids 20 ms, candidates 1 ms, scoring 2 ms; RE: the same without ellipsoids, scoring
     1 ms for each unit of size."""
     rows = [
@@ -20,15 +20,10 @@ def made_speed(plain_view_s: float = 0.6, view_s: float = 0.004, map_s: float = 
         }
         for axis, sizes in SIZES.items() for size in sizes for planner in ("pb", "re")
     ]  # fmt: skip
-    plain = [
-        {"axis": axis, "size": size, "view_s": view_s * slower, "plain_view_s": plain_view_s,
-         "relative_difference": 1e-9}
-        for axis, size, slower in (("voxels", 64, 0.5), ("voxels", 128, 2.0), ("candidates", 32, 1.0))
-    ]  # fmt: skip
-    return {"machine": "2 x Processor, load 0.0, Python 3.11.2", "rows": rows, "plain": plain}
+    return {"machine": "2 x Processor, load 0.0, Python 3.11.2", "rows": rows}
 
 
 def with_goals(**made: float) -> dict[str, Any]:
     """The measurement with the goals beside it."""
     speed = made_speed(**made)
-    return {**speed, "goals": goals(speed["rows"], speed["plain"])}
+    return {**speed, "goals": goals(speed["rows"])}

@@ -199,16 +199,9 @@ def test_speed_is_measured_at_every_size(study: tuple[Path, ComparisonPreset], m
     assert [row["rays"] for row in rows[8:]] == [2400, 2400, 5400, 5400]
     assert rows[4]["poses"] < rows[6]["poses"]
     assert all(row["object_voxels"] > 100 for row in rows)
-    assert [(row["axis"], row["size"]) for row in found["plain"]] == [
-        ("voxels", 40),
-        ("voxels", 50),
-        ("candidates", 32),
-    ]
-    assert all(row["relative_difference"] < 1e-6 for row in found["plain"])
-    assert all(row["plain_view_s"] > row["view_s"] > 0 for row in found["plain"])
     page = _page(out, preset)
     assert "a decision takes" in page
-    assert "plain Python loop" in page
+    assert "One decision of PB" in page
 
 
 def _page(out: Path, preset: ComparisonPreset) -> str:

@@ -39,12 +39,10 @@ def test_decisions_are_repeated_for_a_second(monkeypatch: pytest.MonkeyPatch, se
 
 
 def test_goals_hold_at_their_limits_and_not_beyond():
-    """0.6 s over 4 ms is 150 times, 75 and 300 on the other maps; PB takes 10 + 10 + 20 + 1 + 2 = 43 ms."""
-    fast, slow = speed_goal_rows(with_goals()), speed_goal_rows(with_goals(plain_view_s=0.19, map_s=0.068))
-    assert [row["holds"] for row in fast] == [True, True]
-    assert "150 times; 75 to 300 over the maps" in fast[0]["measured"]
-    assert fast[1]["measured"] == "0.043 s"
-    assert [row["holds"] for row in slow] == [False, False]  # 47.5 times, 101 ms
+    """PB takes 10 + 10 + 20 + 1 + 2 = 43 ms, or 101 ms with a map that takes 68."""
+    (fast,), (slow,) = speed_goal_rows(with_goals()), speed_goal_rows(with_goals(map_s=0.068))
+    assert (fast["measured"], fast["holds"]) == ("0.043 s", True)
+    assert (slow["measured"], slow["holds"]) == ("0.101 s", False)
 
 
 def test_words_and_rows_say_who_is_faster():

@@ -123,6 +123,15 @@ def test_a_finish_that_a_metal_cannot_have_is_not_declared_for_it():
     assert finish_shares(materials) == pytest.approx({"oxidised": 0.25, "polished": 0.75})
 
 
+def test_a_metal_of_the_user_has_its_own_finishes():
+    """One without an oxide cannot be oxidised: all of it is polished, whatever the weights."""
+    steel = {"kind": "metal", "n": 3.0, "k": 4.5, "valid_nm": (800, 900)}
+    materials = Materials(
+        metals={"my_steel": 1}, finishes={"oxidised": 1, "polished": 1}, non_metals={}, user={"my_steel": steel}
+    )
+    assert finish_shares(materials) == pytest.approx({"oxidised": 0.0, "polished": 1.0})
+
+
 def test_showing_what_is_no_dataset(tmp_path: Path, capsys: pytest.CaptureFixture):
     """Exit status 2, one line."""
     assert main(["dataset", "show", str(tmp_path)]) == 2

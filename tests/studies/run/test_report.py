@@ -1,7 +1,10 @@
 """The report: self-contained, silent on the console, every figure present, and true to the stored numbers."""
 
+import errno
 import json
+import os
 import re
+import shutil
 from pathlib import Path
 
 import cv2
@@ -9,13 +12,15 @@ import numpy as np
 import pytest
 
 from franbv.projection import silhouette
+from studies.base.latest import point_latest
+from studies.cli.main import main
 from studies.drawing.svg import Scale, element, round_ticks
 from studies.drawing.templates import unbroken
 from studies.run.report.page import report_html, write_report
 from studies.run.report.scene_payload import UNIT, packed
 from studies.run.report.strip import projected_ellipses
 from studies.run.sentences import run_paragraph
-from studies.run.stored_run import StoredRun
+from studies.run.stored_run import StoredRun, stored_runs
 from tests.studies.browser import CHROMIUM, visit
 from tests.studies.run.analytic_ball import reconstruct_ball
 
@@ -158,3 +163,79 @@ def test_svg_escapes_and_names():
 def test_units_stay_on_the_line():
     """A number and its unit are joined by a no-break space."""
     assert unbroken("63.6 % in 131 s, 5.2 mm") == "63.6\u00a0% in 131\u00a0s, 5.2\u00a0mm"
+
+
+def _report_line(capsys: pytest.CaptureFixture[str], folder: Path) -> str:
+    """What `franbv report` complains of: one line."""
+    assert main(["report", str(folder)]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    return err
+
+
+def _out_folder(case: Path, out: Path) -> Path:
+    """As `franbv reconstruct --out` leaves it: the case, and links to it and to some of its files."""
+    folder = Path(shutil.copytree(case, out / "0123456789abcdef"))
+    point_latest(folder, ["run.json", "report.html"])
+    return out
+
+
+@pytest.mark.parametrize("how", ["parent", "out", "links followed"])
+def test_whole_results_are_found_wherever_they_stand(case: Path, tmp_path: Path, how: str):
+    """A folder of several --out folders; one of them; a copy of one in which links became files (`scp -r`, zip)."""
+    out = _out_folder(case, tmp_path / "runs" / "ball")
+    if how == "links followed":
+        out = Path(shutil.copytree(out, tmp_path / "copy", symlinks=False))
+        assert (out / "run.json").is_file()
+        assert not (out / "run.json").is_symlink()
+    given = out.parent if how == "parent" else out
+    assert stored_runs(given) == [out / "0123456789abcdef"]
+    assert main(["report", str(given)]) == 0
+
+
+def test_a_missing_file_is_named_and_nothing_is_to_be_removed(case: Path, tmp_path: Path, capsys):
+    """What is there may be all that is left of the results."""
+    copy = Path(shutil.copytree(case, tmp_path / "copy"))
+    (copy / "surface.npz").write_bytes((copy / "surface.npz").read_bytes()[:100])
+    line = _report_line(capsys, copy)
+    assert "surface.npz: cannot be read" in line
+    assert "copy the case whole" in line
+    assert "remove" not in line
+
+
+@pytest.mark.parametrize(("number", "words"), [(errno.ENOSPC, "the disk is full"), (errno.EROFS, "read-only")])
+def test_a_disk_that_takes_no_report_is_told_apart(
+    case: Path, tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch, number: int, words: str
+):
+    """The results are whole: only the page has no place."""
+    copy = Path(shutil.copytree(case, tmp_path / "copy"))
+
+    def fail(*_: object) -> None:
+        raise OSError(number, os.strerror(number), str(copy / "report.html"))
+
+    monkeypatch.setattr("studies.base.atomic_file.os.replace", fail)
+    line = _report_line(capsys, copy)
+    assert words in line
+    assert "damaged" not in line
+    assert "remove" not in line
+
+
+def test_results_of_an_older_version_are_called_so(case: Path, tmp_path: Path, capsys):
+    """Before formats were numbered, `run.json` had none."""
+    copy = Path(shutil.copytree(case, tmp_path / "copy"))
+    stored = json.loads((copy / "run.json").read_text())
+    del stored["format"]
+    (copy / "run.json").write_text(json.dumps(stored))
+    assert "was written by an older or newer version (format 1, here" in _report_line(capsys, copy)
+
+
+def test_our_own_faults_are_not_called_the_users(case: Path, monkeypatch: pytest.MonkeyPatch):
+    """A figure that breaks on sound results is a fault of ours: it is no damage, and it shows where it is."""
+
+    def broken(*_: object) -> None:
+        raise KeyError("no_such_column")
+
+    monkeypatch.setattr("studies.run.report.page.coverage_figure", broken)
+    with pytest.raises(KeyError, match="no_such_column"):
+        main(["report", str(case)])
