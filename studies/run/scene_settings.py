@@ -15,6 +15,7 @@ from render.d435i import SensorSettings
 from render.depth.decimation import crop_centre, decimated_intrinsics
 from render.world.rig import d435i_rig
 from scenes.build import COUPONS, coupon_scene, part_scene, scene_on_table
+from scenes.cad.cad_file import file_name
 from scenes.part_materials import part_materials
 from scenes.parts import PART_NAMES, part_description
 from scenes.scene import Scene
@@ -98,14 +99,14 @@ def check_sensor(sensor: SensorSettings) -> None:
 def resolved(settings: AnySubject) -> AnySubject:
     """The settings that decide the result: input files by name and content, not by where they lie."""
     files = {name: path for name in ("mesh", "materials_file") if (path := getattr(settings, name)) is not None}
-    names = {name: Path(path.name) for name, path in files.items()}
+    names = {name: Path(file_name(path)) for name, path in files.items()}
     return settings.model_copy(update={**names, "digests": {name: file_digest(path) for name, path in files.items()}})
 
 
 def _from_file(settings: SubjectSettings, path: Path, user: UserMaterials) -> Subject:
     part = load_user_part(path, settings.units, part_materials(settings.material, user), settings.up)
     scene = scene_on_table(part.name, part.bodies, settings.lamps, room=settings.room)
-    return Subject(f"{path.name}, {', '.join(settings.material)}", scene, part.notices)
+    return Subject(f"{file_name(path)}, {', '.join(settings.material)}", scene, part.notices)
 
 
 def _coupon(settings: SubjectSettings, coupon: str, user: UserMaterials) -> Subject:
