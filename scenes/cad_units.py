@@ -50,8 +50,8 @@ def _absurd(longest_side: float, units: str) -> str:
 
 
 def _absurd_of_itself(metres: float, own: str | None) -> str:
-    """For a file that states its unit: what it says, what may have gone wrong, and the two ways out."""
-    stated = f"{_in_unit(metres, own)}, as the file's own unit is {own}" if own else _length(metres)
+    """For a file that states its unit: what it says, and which factors would do."""
+    stated = f"{_in_unit(metres, own)}, as the file's own unit is {own}" if own else f"{_length(metres)} long"
     factors = {"1/25.4": 1 / 25.4, "25.4": 25.4, "1/1000": 1e-3, "1000": 1e3, "1/10": 0.1, "10": 10.0}
     fitting = [
         f"by {name} ({_length(metres * factor)})"
@@ -61,16 +61,15 @@ def _absurd_of_itself(metres: float, own: str | None) -> str:
     scale = f"scale it in CAD{', such as ' + ' or '.join(fitting) if fitting else ''}"
     return (
         f"bounding box is {stated}; parts are {_length(SMALLEST)} to {_length(LARGEST)} long; --units cannot change "
-        f"what a STEP file states: {scale}, or export it as STL and pass that file's unit"
+        f"what a STEP file states: {scale}, or export it again in its true unit"
     )
 
 
-def _in_unit(metres: float, own: str | None) -> str:
+def _in_unit(metres: float, own: str) -> str:
     """The length as the file gives it, and in metres or millimetres where that is another word."""
-    if own not in METRES:
-        return f"{_length(metres)} long"
-    length = f"{metres / METRES[own]:.4g} {own}"
-    return f"{length} long" if length == _length(metres) else f"{length} ({_length(metres)}) long"
+    length = _length(metres)
+    given = f"{metres / METRES[own]:.4g} {own}" if own in METRES else length
+    return f"{length} long" if given == length else f"{given} ({length}) long"
 
 
 def _length(metres: float) -> str:
