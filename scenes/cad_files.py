@@ -7,23 +7,23 @@ from pathlib import Path
 
 from materials.input_error import InputError
 from scenes.cad.cad_file import CadFile, file_stem, format_name
-from scenes.cad.gltf import read_gltf
-from scenes.cad.obj import read_obj
-from scenes.cad.ply import read_ply
-from scenes.cad.step import read_step
-from scenes.cad.stl import read_stl
+from scenes.cad.gltf import read_gltf_file
+from scenes.cad.obj import read_obj_file
+from scenes.cad.ply import read_ply_file
+from scenes.cad.step import read_step_file
+from scenes.cad.stl import read_stl_file
 
 READERS: dict[str, Callable[[Path, bytes], CadFile]] = {
-    ".stl": read_stl,
-    ".ply": read_ply,
-    ".obj": read_obj,
-    ".glb": read_gltf,
-    ".gltf": read_gltf,
-    ".step": read_step,
-    ".stp": read_step,
+    ".stl": read_stl_file,
+    ".ply": read_ply_file,
+    ".obj": read_obj_file,
+    ".glb": read_gltf_file,
+    ".gltf": read_gltf_file,
+    ".step": read_step_file,
+    ".stp": read_step_file,
 }
 """Ending -> reader."""
-LARGEST_FILE = 2**30
+MOST_BYTES = 2**30
 """Bytes (choice: the most triangles that are taken, as text; larger ones would fill the memory first)."""
 
 
@@ -53,7 +53,7 @@ def _check_file(path: Path) -> None:
         raise InputError(f"{path}: not a mesh file; give {formats}")
     if path.stat().st_size == 0:
         raise InputError(f"{path}: the file is empty (0 bytes); export it again")
-    if path.stat().st_size > LARGEST_FILE:
-        raise InputError(f"{path}: the file has {path.stat().st_size} bytes; export it coarser, at most {LARGEST_FILE}")
+    if path.stat().st_size > MOST_BYTES:
+        raise InputError(f"{path}: the file has {path.stat().st_size} bytes; export it coarser, at most {MOST_BYTES}")
     if format_name(path) == "STEP" and importlib.util.find_spec("cascadio") is None:
         raise InputError(f'{path}: STEP needs an extra; pip install "franbv[step]", or export STL')

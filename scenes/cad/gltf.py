@@ -22,7 +22,7 @@ from scenes.cad.cad_file import (
 )
 from scenes.cad.gltf_buffers import COMPONENTS, LARGEST, Buffers
 from scenes.cad.gltf_extensions import check_required, check_stored
-from scenes.cad.gltf_tree import Mesh, Node, Primitive
+from scenes.cad.gltf_tree import GltfMesh, Node, Primitive
 
 POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
 """Modes of a primitive; 1 to 3 are lines (3.7.2.1)."""
@@ -32,7 +32,7 @@ OUT_OF_BOUNDS = 1e-3
 Triangles = tuple[Float[np.ndarray, "n 3"], Int[np.ndarray, "m 3"]]
 
 
-def read_gltf(path: Path, data: bytes) -> CadFile:
+def read_gltf_file(path: Path, data: bytes) -> CadFile:
     """The bodies of a glTF file, in metres if its writer heeds the format."""
     reader = _Reader(Buffers(path, data))
     placed = list(reader.placed(reader.roots(), np.eye(4)))
@@ -116,7 +116,7 @@ class _Reader:
                 "read; export it at rest, as a rigid mesh"
             )
 
-    def mesh(self, index: int) -> Mesh:
+    def mesh(self, index: int) -> GltfMesh:
         """Mesh of the tree."""
         return self.buffers.entry("meshes", index)
 

@@ -78,7 +78,7 @@ class Primitive(_Entry):
     mode: Annotated[int, Field(ge=0, le=6)] = 4
 
 
-class Mesh(_Entry):
+class GltfMesh(_Entry):
     """Primitives (3.7)."""
 
     primitives: Annotated[list[Primitive], Field(min_length=1)]
@@ -119,7 +119,7 @@ class Tree(_Entry):
     scene: Index | None = None
     scenes: list[SceneNodes] = []
     nodes: list[Node] = []
-    meshes: list[Mesh] = []
+    meshes: list[GltfMesh] = []
     accessors: list[Accessor] = []
     bufferViews: list[BufferView] = []  # noqa: N815
     buffers: list[Buffer] = []

@@ -50,10 +50,10 @@ class _Content:
     coordinates: list[tuple[float, float, float]] = field(default_factory=list)
     objects: dict[str, _Polygons] = field(default_factory=dict)
     left_out: dict[str, int] = field(default_factory=dict)
-    """Statements that were not understood, and the line of the first."""
+    """What was not understood, in words, and the line of the first."""
 
 
-def read_obj(path: Path, data: bytes) -> CadFile:
+def read_obj_file(path: Path, data: bytes) -> CadFile:
     """The objects of an OBJ file; an object that is taken up again under its name is one body."""
     content = _Content()
     current = content.objects.setdefault("", _Polygons())
@@ -68,7 +68,7 @@ def read_obj(path: Path, data: bytes) -> CadFile:
         elif word == "o":
             current = content.objects.setdefault(one_line(" ".join(words[1:])), _Polygons())
         elif word not in WITHOUT_SHAPE:
-            content.left_out.setdefault(word, number)
+            content.left_out.setdefault(_left_out(word), number)
     vertices = np.array(content.coordinates, float).reshape(-1, 3)
     bodies = [
         _body(path, name or file_stem(path), polygons, vertices)
@@ -76,7 +76,10 @@ def read_obj(path: Path, data: bytes) -> CadFile:
         if polygons.counts
     ]
     check_triangle_count(path, sum(len(body.faces) for body in bodies))
-    notices = tuple(_notice(word, line) for word, line in content.left_out.items())
+    notices = tuple(
+        f"line {line}: {what}; export the solid as a mesh if something is missing"
+        for what, line in content.left_out.items()
+    )
     return CadFile(tuple(bodies), notices, points=len(vertices) > 0)
 
 
@@ -133,6 +136,7 @@ def _body(path: Path, name: str, polygons: _Polygons, vertices: np.ndarray) -> R
     return RawBody(name, *used_only(vertices, faces))
 
 
-def _notice(word: str, line: int) -> str:
-    what = "free-form curves and surfaces are" if word in FREE_FORM else "this statement is not known and"
-    return f"line {line}: `{shown(word)}`: {what} left out; export the solid as a mesh if something is missing"
+def _left_out(word: str) -> str:
+    if word in FREE_FORM:
+        return "free-form curves and surfaces (`cstype`) are left out"
+    return f"the statement `{shown(word)}` is not known and left out"

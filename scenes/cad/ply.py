@@ -14,7 +14,7 @@ CORNER_LISTS = ("vertex_indices", "vertex_index")
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class ElementRows:
     """The values of an element."""
 
     scalars: dict[str, np.ndarray]
@@ -23,7 +23,7 @@ class Rows:
     """By property: all values one after another, and how many of them each row has."""
 
 
-def read_ply(path: Path, data: bytes) -> CadFile:
+def read_ply_file(path: Path, data: bytes) -> CadFile:
     """The polygons of a PLY file."""
     header = read_header(path, data)
     reader = _TextReader(path, data[header.end :]) if header.order is None else _BinaryReader(path, data, header)
@@ -73,14 +73,14 @@ class _TextReader:
         self.words = body.split()
         self.at = 0
 
-    def rows(self, element: Element) -> Rows:
+    def rows(self, element: Element) -> ElementRows:
         """The values of the next element."""
         if element.count * element.fewest_values > len(self.words) - self.at:
             raise damaged(self.path, element.cut_off(f"{len(self.words) - self.at} values are left for it"))
         if not element.lists:
             values = np.array(self._take(element, 0, element.count * len(element.columns)), float)
             table = values.reshape(element.count, len(element.columns))
-            return Rows({name: table[:, i] for i, (name, _) in enumerate(element.columns)}, {})
+            return ElementRows({name: table[:, i] for i, (name, _) in enumerate(element.columns)}, {})
         scalars: dict[str, list[float]] = {name: [] for name in element.scalars}
         lists: dict[str, tuple[list[float], list[int]]] = {name: ([], []) for name in element.lists}
         for row in range(element.count):
@@ -92,7 +92,7 @@ class _TextReader:
                     lists[name][1].append(count)
                 else:
                     scalars[name] += self._take(element, row, 1)
-        return Rows(
+        return ElementRows(
             {name: np.array(values, float) for name, values in scalars.items()},
             {name: (np.array(v, float), np.array(counts, np.int64)) for name, (v, counts) in lists.items()},
         )
@@ -129,7 +129,7 @@ class _BinaryReader:
         self.path, self.data, self.at = path, data, header.end
         self.order = header.order or "<"
 
-    def rows(self, element: Element) -> Rows:
+    def rows(self, element: Element) -> ElementRows:
         """The values of the next element."""
         left = len(self.data) - self.at
         if element.count * element.fewest_bytes > left:
@@ -145,7 +145,7 @@ class _BinaryReader:
             for p in element.properties
             if p.count_type is not None
         }
-        return Rows(scalars, lists)
+        return ElementRows(scalars, lists)
 
     def _first_lengths(self, element: Element) -> dict[str, int]:
         """Lengths of the lists of the first row; most writers use the same in all."""
@@ -174,7 +174,7 @@ class _BinaryReader:
         same = all(np.all(table[f"{name} count"] == length) for name, length in lengths.items())
         return table if same else None
 
-    def _row_by_row(self, element: Element) -> Rows:
+    def _row_by_row(self, element: Element) -> ElementRows:
         scalars: dict[str, list[np.ndarray]] = {name: [] for name in element.scalars}
         lists: dict[str, tuple[list[np.ndarray], list[int]]] = {name: ([], []) for name in element.lists}
         for row in range(element.count):
@@ -186,7 +186,7 @@ class _BinaryReader:
                     lists[item.name][1].append(count)
                 values = self._values(element, row, item.type, count)
                 (scalars[item.name] if item.count_type is None else lists[item.name][0]).append(values)
-        return Rows(
+        return ElementRows(
             {name: np.concatenate(values) for name, values in scalars.items()},
             {name: (np.concatenate(values), np.array(counts, np.int64)) for name, (values, counts) in lists.items()},
         )

@@ -110,9 +110,9 @@ def _clipped_ears(loop: Float[np.ndarray, "k 3"]) -> Int[np.ndarray, "m 3"] | No
     return found if areas.min() >= -tolerance and abs(areas.sum() - length) <= 1e-6 * length else None
 
 
-def _round(count: int, start: int) -> Int[np.ndarray, "n"]:
+def _round(count: int, start: int) -> list[int]:
     """All corners, from `start` on."""
-    return (np.arange(count) + start) % count
+    return [(i + start) % count for i in range(count)]
 
 
 def _plane(normal: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 2"]:
@@ -134,8 +134,8 @@ def _is_ear(flat: Float[np.ndarray, "k 2"], left: list[int], i: int, tolerance: 
     others = flat[left]
     inside = (_cross2(b - a, others - a) >= 0) & (_cross2(c - b, others - b) >= 0) & (_cross2(a - c, others - c) >= 0)
     corner = (others == a).all(axis=1) | (others == b).all(axis=1) | (others == c).all(axis=1)
-    return not np.any(inside & ~corner)
+    return not bool(np.any(inside & ~corner))
 
 
-def _cross2(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+def _cross2(u: np.ndarray, v: np.ndarray):
     return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]

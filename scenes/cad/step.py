@@ -13,7 +13,7 @@ from pathlib import Path
 
 from materials.input_error import InputError
 from scenes.cad.cad_file import CadFile, damaged, shown
-from scenes.cad.gltf import read_gltf
+from scenes.cad.gltf import read_gltf_file
 from scenes.cad.step_text import lost_faces, read_step_text
 
 SECONDS = 600
@@ -27,16 +27,17 @@ try:
     resource.setrlimit(resource.RLIMIT_AS, ({MEMORY}, {MEMORY}))
 except (ImportError, ValueError, OSError):
     pass  # no such limits here
+sys.modules["trimesh"] = None  # which cascadio would load to no end here: half of the time
 import cascadio
 cascadio.step_to_glb(sys.argv[1], sys.argv[2], merge_primitives=False)
 """
 
 
-def read_step(path: Path, data: bytes) -> CadFile:
+def read_step_file(path: Path, data: bytes) -> CadFile:
     """The bodies of a STEP file, in metres: one for every place that a part has in its assembly."""
     text = read_step_text(path, data)
     glb = _meshed(path, data)
-    read = read_gltf(path, glb)
+    read = read_gltf_file(path, glb)
     return replace(read, notices=(*lost_faces(text, _face_count(glb)), *read.notices), unit=text.unit)
 
 

@@ -39,7 +39,7 @@ _SOLID_LINE = re.compile(rb"^[ \t]*(end)?solid(?![^\s])([^\n]*)$", re.IGNORECASE
 _CUT_OFF = "the file is cut off"
 
 
-def read_stl(path: Path, data: bytes) -> CadFile:
+def read_stl_file(path: Path, data: bytes) -> CadFile:
     """The solids of an STL file."""
     solids, notices = _binary_solids(path, data), []
     if solids is None:
