@@ -28,6 +28,8 @@ POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
 """Modes of a primitive; 1 to 3 are lines (3.7.2.1)."""
 OUT_OF_BOUNDS = 1e-3
 """Share of a mesh's extent by which positions may leave their stated bounds without a word (choice: writers round)."""
+MOST_NAMED = 5
+"""Unknown properties that are named (choice: one is enough to see that something is wrong)."""
 
 Triangles = tuple[Float[np.ndarray, "n 3"], Int[np.ndarray, "m 3"]]
 
@@ -65,7 +67,8 @@ class _Reader:
     def __init__(self, buffers: Buffers) -> None:
         self.buffers = buffers
         self.path, self.tree = buffers.path, buffers.tree
-        self.notices: list[str] = []
+        unknown = sorted(set(self.tree.unknown()))
+        self.notices = [f"glTF has no property `{shown(name)}`; it is left out" for name in unknown[:MOST_NAMED]]
         self._meshes: dict[int, Triangles] = {}
         check_required(self.path, self.tree.extensionsRequired)
 
@@ -92,9 +95,11 @@ class _Reader:
                 self._check(index, node)
                 yield node, own
             stack += [(child, own) for child in reversed(node.children)]
-        left_out = [n for i, n in enumerate(self.tree.nodes) if i not in seen and n.mesh is not None]
-        if left_out:
-            self.notices.append(f"{len(left_out)} meshes are in no scene that is shown, and left out")
+        shown_meshes = {self.tree.nodes[i].mesh for i in seen}
+        hidden = sum(i not in seen and node.mesh is not None for i, node in enumerate(self.tree.nodes))
+        unused = len(set(range(len(self.tree.meshes))) - shown_meshes)
+        if hidden or unused:
+            self.notices.append(f"{max(hidden, unused)} meshes are in no scene that is shown, and left out")
 
     def _matrix(self, index: int, node: Node) -> Float[np.ndarray, "4 4"]:
         """From the node to its parent."""

@@ -154,7 +154,7 @@ def _chunks(path: Path, data: bytes) -> tuple[bytes, bytes]:
 
 def _tree(path: Path, text: bytes) -> Tree:
     try:
-        return Tree.model_validate(json.loads(text.decode("utf-8-sig")))
+        tree = Tree.model_validate(json.loads(text.decode("utf-8-sig")))
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(map(str, first["loc"]))
@@ -165,3 +165,6 @@ def _tree(path: Path, text: bytes) -> Tree:
         raise damaged(path, f"its JSON is no UTF-8 at byte {error.start}") from error
     except json.JSONDecodeError as error:
         raise damaged(path, f"its JSON breaks off in line {error.lineno}, column {error.colno}") from error
+    if tree.asset.version.partition(".")[0] != "2":
+        raise damaged(path, f"it is of glTF version {shown(tree.asset.version)}, and 2 is read")
+    return tree

@@ -3,7 +3,8 @@
 Source: Khronos, glTF 2.0 Specification; section numbers beside the classes.
 """
 
-from typing import Annotated, Any, Literal
+from collections.abc import Iterator
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -12,13 +13,28 @@ Numbers = list[float]
 
 
 class _Entry(BaseModel):
-    model_config = ConfigDict(extra="ignore", strict=False, allow_inf_nan=False)
+    model_config = ConfigDict(extra="allow", allow_inf_nan=False)
+
+    others: ClassVar[tuple[str, ...]] = ()
+    """Properties of the format that say nothing of surfaces."""
 
     extensions: dict[str, dict[str, Any]] = {}
+    extras: Any = None
+
+    def unknown(self) -> Iterator[str]:
+        """Names of properties that the format does not have, here and below."""
+        yield from (name for name in self.model_extra or {} if name not in self.others)
+        for name in type(self).model_fields:
+            value = getattr(self, name)
+            for entry in value if isinstance(value, list) else [value]:
+                if isinstance(entry, _Entry):
+                    yield from entry.unknown()
 
 
 class Buffer(_Entry):
     """Bytes (3.6.1)."""
+
+    others = ("name",)
 
     byteLength: Annotated[int, Field(ge=1)]  # noqa: N815 (names of the format)
     uri: str | None = None
@@ -26,6 +42,8 @@ class Buffer(_Entry):
 
 class BufferView(_Entry):
     """A slice of a buffer (3.6.1)."""
+
+    others = ("name", "target")
 
     buffer: Index
     byteLength: Annotated[int, Field(ge=1)]  # noqa: N815
@@ -59,6 +77,8 @@ class Sparse(_Entry):
 class Accessor(_Entry):
     """A table of numbers (3.6.2)."""
 
+    others = ("name",)
+
     bufferView: Index | None = None  # noqa: N815
     byteOffset: Index = 0  # noqa: N815
     componentType: Literal[5120, 5121, 5122, 5123, 5125, 5126]  # noqa: N815
@@ -72,6 +92,8 @@ class Accessor(_Entry):
 
 class Primitive(_Entry):
     """Triangles, lines or points (3.7.2)."""
+
+    others = ("material", "targets")
 
     attributes: dict[str, Index]
     indices: Index | None = None
@@ -89,6 +111,8 @@ class GltfMesh(_Entry):
 class Node(_Entry):
     """A place in the scene graph (3.5.3)."""
 
+    others = ("camera",)
+
     name: str = ""
     mesh: Index | None = None
     skin: Index | None = None
@@ -103,17 +127,23 @@ class Node(_Entry):
 class SceneNodes(_Entry):
     """Root nodes (3.5.1)."""
 
+    others = ("name",)
+
     nodes: list[Index] = []
 
 
 class Asset(_Entry):
     """Of the file (3.2)."""
 
+    others = ("copyright", "generator", "minVersion")
+
     version: str
 
 
 class Tree(_Entry):
     """The whole file."""
+
+    others = ("animations", "cameras", "images", "materials", "samplers", "skins", "textures")
 
     asset: Asset
     scene: Index | None = None

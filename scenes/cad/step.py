@@ -14,7 +14,7 @@ from pathlib import Path
 from materials.input_error import InputError
 from scenes.cad.cad_file import CadFile, damaged, shown
 from scenes.cad.gltf import read_gltf_file
-from scenes.cad.step_text import lost_faces, read_step_text
+from scenes.cad.step_text import doubts, read_step_text
 
 SECONDS = 600
 """The meshing may take this long [s] (choice: assemblies of thousands of faces take one minute)."""
@@ -38,7 +38,7 @@ def read_step_file(path: Path, data: bytes) -> CadFile:
     text = read_step_text(path, data)
     glb = _meshed(path, data)
     read = read_gltf_file(path, glb)
-    return replace(read, notices=(*lost_faces(text, _face_count(glb)), *read.notices), unit=text.unit)
+    return replace(read, notices=(*doubts(text, _face_count(glb)), *read.notices), unit=text.unit)
 
 
 def _meshed(path: Path, data: bytes) -> bytes:

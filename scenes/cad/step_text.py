@@ -50,9 +50,11 @@ def read_step_text(path: Path, data: bytes) -> StepText:
     return StepText(" and ".join(units) or None, faces, min(referred - spans.keys(), default=None))
 
 
-def lost_faces(text: StepText, made: int) -> list[str]:
+def doubts(text: StepText, made: int) -> list[str]:
     """Notices where something of the file is missing; `made`: faces that Open CASCADE made of it."""
     notices = []
+    if text.unit is None:
+        notices.append("it states no unit of length that is known, so its size may be wrong")
     if text.dangling is not None:
         notices.append(f"entity #{text.dangling} is referred to, but is not there, so something may be missing")
     if made < text.face_count:

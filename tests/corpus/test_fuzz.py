@@ -1,0 +1,186 @@
+"""Files of the corpus, damaged by chance: none makes a traceback, none changes its size or volume without a word.
+
+A damaged file is cut off, has some bytes changed, or has a piece of itself or of another file of its format in its
+midst, a piece left out, or a piece twice. What may follow:
+
+- an `InputError` in one line;
+- the true geometry;
+- a notice that the whole file does not give;
+- with changed bytes or pieces, not with a cut: as many triangles as before, all closed, with other coordinates. A
+  changed digit of a coordinate, of a place or of a unit makes a file that truly describes another part.
+
+A text STL or an OBJ that is cut exactly between two bodies, and two binary STLs cut between them, are whole files of
+fewer bodies; nothing marks the end of these formats. `whole_in_front` tells them, from the bytes that were cut off.
+"""
+
+import importlib.util
+import resource
+import time
+import tracemalloc
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from materials.input_error import InputError
+from scenes.part_materials import part_materials
+from scenes.topology import open_edge_count, signed_volume
+from scenes.user_mesh import UserPart, load_user_part
+from tests.corpus.make_corpus import CORPUS
+from tests.corpus.table import Case
+
+IRON = part_materials(["iron:ground"])
+SECONDS = 20.0
+"""One file may take this long (choice: a STEP file takes half a second, and the machine may be busy)."""
+BYTES = 64 * 2**20
+"""Peak memory that Python and numpy may take for one file (choice: the largest file has 20 kB)."""
+CHILD_BYTES = 2**30
+"""Peak resident memory of the process that meshes STEP (choice: four times what it takes for whole files)."""
+KINDS = ("cut", "changed", "spliced", "left out", "twice")
+
+
+@dataclass(frozen=True)
+class Damaged:
+    """A file of the corpus after an accident."""
+
+    case: Case
+    kind: str
+    data: bytes
+    cut_off: bytes = b""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What counts of a part."""
+
+    box: np.ndarray
+    volume: float
+    bodies: int
+    triangles: int
+    closed: bool
+
+    def equals(self, other: "Shape") -> bool:
+        """Same place, size, volume, bodies, within the rounding of 32-bit numbers."""
+        return (
+            self.bodies == other.bodies
+            and np.allclose(self.box, other.box, atol=1e-7)
+            and np.isclose(self.volume, other.volume, rtol=1e-4, atol=1e-12)
+        )
+
+
+def accident(rng: np.random.Generator) -> Damaged:
+    """A file and what happened to it."""
+    usable = [case for case in CORPUS if not case.file.endswith("step") or importlib.util.find_spec("cascadio")]
+    case = usable[rng.integers(len(usable))]
+    data = case.make()
+    kind = KINDS[rng.integers(len(KINDS))]
+    start, stop = np.sort(rng.integers(0, len(data) + 1, 2))
+    if kind == "cut":
+        return Damaged(case, kind, data[:start], data[start:])
+    if kind == "changed":
+        changed = bytearray(data)
+        for at in rng.integers(0, len(data), rng.integers(1, 4)):
+            changed[at] = rng.integers(256) if rng.random() < 0.5 else changed[at] ^ (1 << rng.integers(8))
+        return Damaged(case, kind, bytes(changed))
+    if kind == "spliced":
+        ending = case.file.rpartition(".")[2]
+        other = [one for one in usable if one.file.endswith(ending)]
+        piece = other[rng.integers(len(other))].make()
+        begin, end = np.sort(rng.integers(0, len(piece) + 1, 2))
+        return Damaged(case, kind, data[:start] + piece[begin:end] + data[stop:])
+    if kind == "left out":
+        return Damaged(case, kind, data[:start] + data[stop:])
+    return Damaged(case, kind, data[:stop] + data[start:])
+
+
+def whole_in_front(damaged: Damaged) -> bool:
+    """Whether a file was cut exactly between two of its bodies, in a format that has no end mark."""
+    rest = damaged.cut_off
+    text = rest.lstrip(b" \r\n").startswith((b"o ", b"solid")) and not damaged.data.endswith(b"end")
+    binary = damaged.case.file == "binary_after_binary.stl" and len(rest) == 84 + 12 * 50
+    return damaged.case.file.endswith((".stl", ".obj")) and (text or binary)
+
+
+def shape(part: UserPart) -> Shape:
+    """Of a loaded part."""
+    corners = np.concatenate([body.mesh.vertices for body in part.bodies])
+    volumes = [signed_volume(body.mesh.vertices, body.mesh.faces) for body in part.bodies]
+    return Shape(
+        np.stack([corners.min(axis=0), corners.max(axis=0)]),
+        sum(volumes),
+        len(part.bodies),
+        sum(len(body.mesh.faces) for body in part.bodies),
+        all(open_edge_count(body.mesh) == 0 for body in part.bodies),
+    )
+
+
+def loaded(folder: Path, case: Case, data: bytes) -> UserPart | None:
+    """The part in a file with these bytes, None if it is refused; in one line, in bounded time and memory."""
+    path = folder / case.file
+    path.write_bytes(data)
+    part, message = None, f"{path}: "
+    tracemalloc.start()
+    begin = time.perf_counter()
+    try:
+        part = load_user_part(path, case.units, IRON, up="z")
+    except InputError as error:
+        message = str(error)
+    took, peak = time.perf_counter() - begin, tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert message.startswith(f"{path}: ")
+    assert "\n" not in message
+    assert took < SECONDS, f"{path}: {took:.1f} s"
+    assert peak < BYTES, f"{path}: {peak} bytes"
+    return part
+
+
+def outcome(damaged: Damaged, part: UserPart | None, before: UserPart | None) -> str:
+    """What became of the file, which was `before`; a word with `SILENT` in it breaks the law."""
+    if part is None:
+        return "refused"
+    found = shape(part)
+    if before is not None and found.equals(shape(before)):
+        return "true geometry"
+    if len(part.notices) > (0 if before is None else len(before.notices)) or not found.closed:
+        return "notice" if part.notices else "SILENT: open"
+    if before is None:  # the damage took away what made the file unreadable, such as a NaN
+        return "readable by chance"
+    if damaged.kind == "cut":
+        return "whole file of fewer bodies" if whole_in_front(damaged) else "SILENT: cut off"
+    return "other coordinates" if found.triangles == shape(before).triangles else "SILENT: other surface"
+
+
+def run(folder: Path, count: int, seed: int) -> None:
+    """Damage `count` files and judge what becomes of them."""
+    rng = np.random.default_rng(seed)
+    whole: dict[str, UserPart | None] = {}
+    counts: Counter[str] = Counter()
+    silent = []
+    for number in range(count):
+        damaged = accident(rng)
+        case = damaged.case
+        if case.file not in whole:
+            whole[case.file] = loaded(folder, case, case.make())
+        word = outcome(damaged, loaded(folder, case, damaged.data), whole[case.file])
+        counts[word] += 1
+        if "SILENT" in word:
+            (folder / f"{number}_{case.file}").write_bytes(damaged.data)
+            silent.append(f"{number}_{case.file}, {damaged.kind}: {word}")
+    listed = ", ".join(f"{counts[word]} {word}" for word in sorted(counts))
+    print(f"{sum(counts.values())} of {count} files judged: {listed}")  # noqa: T201 (shown with -s)
+    assert not silent, (folder, silent)
+    children = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
+    assert children < CHILD_BYTES, f"a process took {children} bytes"
+
+
+def test_a_hundred_damaged_files(tmp_path):
+    """No traceback, no silent change, bounded time and memory."""
+    run(tmp_path, 100, seed=1)
+
+
+@pytest.mark.slow
+def test_a_thousand_damaged_files(tmp_path):
+    """The same with other accidents."""
+    run(tmp_path, 1000, seed=2)
