@@ -1,6 +1,7 @@
 """A STEP file as text (ISO 10303-21): whether it is whole, its unit of length, how many faces it has."""
 
 import re
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,6 +10,8 @@ from scenes.cad.cad_file import damaged, plain_text, shown
 BEGIN, END = b"ISO-10303-21;", b"END-ISO-10303-21;"
 FACES = ("ADVANCED_FACE", "FACE_SURFACE")
 """Entities of which Open CASCADE makes a face each."""
+USE, PLACE = "NEXT_ASSEMBLY_USAGE_OCCURRENCE", "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"
+"""Entities that use a part in an assembly, and that say where; mapped items are another way to say it."""
 SI = {"": "m", "MILLI": "mm", "CENTI": "cm", "DECI": "dm", "MICRO": "um", "NANO": "nm", "KILO": "km"}
 """Prefix of the metre (ISO 10303-41, si_prefix) -> unit."""
 CONVERTED = {"INCH": "in", "INCHES": "in", "IN": "in", "MILLIMETRE": "mm", "CENTIMETRE": "cm", "METRE": "m"}
@@ -31,6 +34,10 @@ class StepText:
     face_count: int
     dangling: int | None
     """An entity that is referred to, yet is not there."""
+    use_count: int
+    """Uses of parts in assemblies."""
+    place_count: int
+    """Places for them."""
 
 
 def read_step_text(path: Path, data: bytes) -> StepText:
@@ -40,26 +47,41 @@ def read_step_text(path: Path, data: bytes) -> StepText:
     quiet = _QUIET.sub(lambda found: b" " * len(found[0]), data)
     if END not in quiet:
         raise damaged(path, f"the file is cut off: it has no `{END.decode()}`")
-    spans = {int(found[1]): found.span(2) for found in _ENTITY.finditer(quiet)}
+    entities = [(int(found[1]), found.span(2)) for found in _ENTITY.finditer(quiet)]
+    spans = dict(entities)
     if not spans:
         raise damaged(path, "it has no entities")
+    if len(spans) < len(entities):
+        twice = next(number for number, count in Counter(number for number, _ in entities).items() if count > 1)
+        raise damaged(path, f"entity #{twice} is there more than once")
     referred = {int(number) for start, end in spans.values() for number in _REFERENCE.findall(quiet, start, end)}
-    faces = sum(quiet[start:end].lstrip().startswith(tuple(f.encode() for f in FACES)) for start, end in spans.values())
+    kinds = Counter(quiet[start:end].partition(b"(")[0].strip().decode("latin-1") for start, end in spans.values())
     found = (_unit(data[slice(*spans[number])]) for number in _unit_entities(quiet, spans))
     units = sorted({unit for unit in found if unit is not None})
-    return StepText(" and ".join(units) or None, faces, min(referred - spans.keys(), default=None))
+    return StepText(
+        unit=" and ".join(units) or None,
+        face_count=sum(kinds[face] for face in FACES),
+        dangling=min(referred - spans.keys(), default=None),
+        use_count=kinds[USE],
+        place_count=kinds[USE] if kinds["MAPPED_ITEM"] else kinds[PLACE],
+    )
 
 
-def doubts(text: StepText, made: int) -> list[str]:
-    """Notices where something of the file is missing; `made`: faces that Open CASCADE made of it."""
+def doubts(text: StepText, faces: int, nodes: int) -> list[str]:
+    """Notices where something of the file is missing, given how many faces and nodes Open CASCADE made of it."""
     notices = []
+    if text.use_count != text.place_count or nodes <= text.use_count:
+        notices.append(
+            f"its assemblies use {text.use_count} parts, of which Open CASCADE finds {min(nodes - 1, text.use_count)}, "
+            f"and give {text.place_count} places, so a part may be missing or out of place"
+        )
     if text.unit is None:
         notices.append("it states no unit of length that is known, so its size may be wrong")
     if text.dangling is not None:
         notices.append(f"entity #{text.dangling} is referred to, but is not there, so something may be missing")
-    if made < text.face_count:
+    if faces < text.face_count:
         notices.append(
-            f"{text.face_count - made} of its {text.face_count} faces could not be made, so the surface has holes or "
+            f"{text.face_count - faces} of its {text.face_count} faces could not be made, so the surface has holes or "
             "a body is missing; mend it in CAD and export it again"
         )
     return notices
