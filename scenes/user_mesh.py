@@ -55,7 +55,7 @@ def load_user_part(
     upright = Rotation.from_euler(axis, angle, degrees=True)
     vertices = [upright.apply(body.vertices * scale) for body in raw]
     foot = _foot(np.concatenate(vertices))
-    notices = [f"{path}: {notice}" for notice in (*read.notices, *unheeded_unit(units, read.unit))]
+    notices = [f"{path}: {notice}" for notice in (*read.notices, *unheeded_unit(units, read.unit), *_doubled(raw))]
     if y_up:
         notices.append(f"{path}: taken as y-up, as glTF lays down, and turned upright")
     bodies = []
@@ -79,6 +79,17 @@ def _check_numbers(path: Path, raw: tuple[RawBody, ...]) -> None:
 def _longest_side(raw: tuple[RawBody, ...]) -> float:
     """Of the bounding box, in the file's unit."""
     return float(np.ptp(np.concatenate([body.vertices for body in raw]), axis=0).max())
+
+
+def _doubled(raw: tuple[RawBody, ...]) -> list[str]:
+    """Notices for bodies that are the same surface in the same place, where the renderer sees either by chance."""
+    first: dict[bytes, str] = {}
+    notices = []
+    for body in raw:
+        name = first.setdefault(body.vertices.tobytes() + body.faces.tobytes(), body.name)
+        if name != body.name:
+            notices.append(f"bodies {name} and {body.name} are one surface twice in one place; leave one out in CAD")
+    return notices
 
 
 def _foot(points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "3"]:

@@ -99,6 +99,13 @@ def used_only(vertices: Float[np.ndarray, "n 3"], faces: Int[np.ndarray, "m 3"])
     return vertices[used], faces.reshape(-1, 3)
 
 
+def unused(vertex_count: int, corners: Sequence[int] | Int[np.ndarray, "c"]) -> tuple[str, ...]:
+    """A notice where vertices belong to no face: numbers that are shifted, or faces that are missing."""
+    left = vertex_count - len(np.unique(np.asarray(corners)))
+    what = f"{left} of its {vertex_count} vertices belong to no face; if something looks wrong, export it again"
+    return (what,) if left else ()
+
+
 def check_triangle_count(path: Path, count: int) -> None:
     """InputError for more triangles than can be worked on."""
     if count > MAX_TRIANGLES:

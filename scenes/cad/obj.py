@@ -18,6 +18,7 @@ from scenes.cad.cad_file import (
     one_line,
     plain_text,
     shown,
+    unused,
     used_only,
 )
 from scenes.cad.polygons import PolygonError, triangulated
@@ -51,10 +52,6 @@ class _Content:
     objects: dict[str, _Polygons] = field(default_factory=dict)
     left_out: dict[str, int] = field(default_factory=dict)
     """What was not understood, in words, and the line of the first."""
-    at_last_face: int = 0
-    """Vertices before the last face."""
-    unfinished: bool = False
-    """Whether vertices or a named object come after it."""
 
 
 def read_obj_file(path: Path, data: bytes) -> CadFile:
@@ -69,12 +66,10 @@ def read_obj_file(path: Path, data: bytes) -> CadFile:
             current.corners += _corners(path, number, words, len(content.coordinates))
             current.counts.append(len(words) - 1)
             current.lines.append(number)
-            content.at_last_face = len(content.coordinates)
         elif word == "o":
             current = content.objects.setdefault(one_line(" ".join(words[1:])), _Polygons())
         elif word not in WITHOUT_SHAPE:
             content.left_out.setdefault(_left_out(word), number)
-    content.unfinished = current.counts == [] or len(content.coordinates) > content.at_last_face
     vertices = np.array(content.coordinates, float).reshape(-1, 3)
     bodies = [
         _body(path, name or file_stem(path), polygons, vertices)
@@ -86,8 +81,10 @@ def read_obj_file(path: Path, data: bytes) -> CadFile:
         f"line {line}: {what}; export the solid as a mesh if something is missing"
         for what, line in content.left_out.items()
     )
-    if content.unfinished and bodies:
-        notices += ("it ends in an object or in vertices without a face; if it was cut off there, export it again",)
+    if bodies and not current.counts:
+        notices += ("it ends in an object without a face; if it was cut off there, export it again",)
+    if bodies:
+        notices += unused(len(vertices), [corner for each in content.objects.values() for corner in each.corners])
     return CadFile(tuple(bodies), notices, points=len(vertices) > 0)
 
 

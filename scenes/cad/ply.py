@@ -5,7 +5,17 @@ from pathlib import Path
 
 import numpy as np
 
-from scenes.cad.cad_file import CadFile, RawBody, check_triangle_count, damaged, file_stem, plain_text, shown, used_only
+from scenes.cad.cad_file import (
+    CadFile,
+    RawBody,
+    check_triangle_count,
+    damaged,
+    file_stem,
+    plain_text,
+    shown,
+    unused,
+    used_only,
+)
 from scenes.cad.ply_header import Element, Header, read_header
 from scenes.cad.polygons import PolygonError, triangulated
 
@@ -45,7 +55,8 @@ def read_ply_file(path: Path, data: bytes) -> CadFile:
     except PolygonError as error:
         raise damaged(path, f"face {error.polygon} cannot be cut into triangles: {error.why}") from None
     check_triangle_count(path, len(faces))
-    return CadFile((RawBody(file_stem(path), *used_only(vertices, faces)),))
+    body = RawBody(file_stem(path), *used_only(vertices, faces))
+    return CadFile((body,), unused(len(vertices), corners))
 
 
 def _whole(path: Path, values: np.ndarray) -> np.ndarray:

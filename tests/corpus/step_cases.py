@@ -107,7 +107,7 @@ STEP_CASES = (
         "an entity that is not there",
         _dangling,
         bodies={"dangling": truth(ANGLE)},
-        notices=("entity #99999 is referred to",),
+        notices=("entity #99999 is referred to", "Open CASCADE says: ERR StepReaderData : Unresolved Reference"),
     ),
     _step(
         "face_lost",
