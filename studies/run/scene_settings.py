@@ -32,11 +32,12 @@ class SubjectSettings(Config):
     mesh: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """CAD file instead of a part: STL, PLY, OBJ, GLB, or STEP with the extra `step`."""
     units: Annotated[str | None, tyro.conf.arg(metavar="mm|cm|m|in")] = None
-    """Unit of the CAD file; only GLB and STEP know their own."""
+    """Unit of the CAD file; only GLB and STEP know their own, and that of STEP cannot be changed."""
     up: Literal["x", "y", "z"] | None = None
     """Upward axis of the CAD file; the default is its format's convention."""
     material: Annotated[tuple[str, ...], tyro.conf.arg(metavar="METAL:FINISH|BODY=METAL:FINISH")] = ()
-    """One material for all bodies, or one per body name; parts A-D come with those of the real things."""
+    """One material for all bodies, or one per body, by name or number ('#2=METAL:FINISH'); parts A-D come with those of
+    the real things."""
     materials_file: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """YAML file with materials of your own."""
     lamps: str = "workshop"
