@@ -100,7 +100,7 @@ def _place(key: str, body_names: Sequence[str]) -> int | None:
         for i, name in enumerate(body_names):
             if unicodedata.normalize("NFC", spelling) == unicodedata.normalize("NFC", name):
                 return i
-    number = int(key[1:]) if key[:1] == "#" and key[1:].isdecimal() else 0
+    number = int(key[1:]) if key[:1] == "#" and key[1:].isdecimal() and len(key) < 10 else 0
     return number - 1 if 1 <= number <= len(body_names) else None
 
 

@@ -120,10 +120,12 @@ class Buffers:
             except binascii.Error:
                 raise damaged(self.path, "a buffer inside it is no base64") from None
         name = unquote(uri)
-        file = self.path.parent / name
-        if "://" in uri or Path(name).is_absolute() or "\0" in name or not file.is_file():
-            raise damaged(self.path, f"its buffer {shown(uri)} is not beside it")
-        return file.read_bytes()
+        try:
+            if "://" not in uri and not Path(name).is_absolute():
+                return (self.path.parent / name).read_bytes()
+        except (OSError, ValueError):  # not there, a folder, or no name of a file at all
+            pass
+        raise damaged(self.path, f"its buffer {shown(uri)} is not beside it")
 
 
 def _chunks(path: Path, data: bytes) -> tuple[bytes, bytes]:
@@ -157,7 +159,7 @@ def _tree(path: Path, text: bytes) -> Tree:
         tree = Tree.model_validate(json.loads(text.decode("utf-8-sig")))
     except ValidationError as error:
         first = error.errors()[0]
-        place = ".".join(map(str, first["loc"]))
+        place = ".".join(map(str, first["loc"])) or "its JSON"
         raise damaged(path, f"{shown(place)}: {shown(first['msg'])}") from error
     except RecursionError as error:
         raise damaged(path, "its JSON is nested too deep") from error
@@ -165,6 +167,8 @@ def _tree(path: Path, text: bytes) -> Tree:
         raise damaged(path, f"its JSON is no UTF-8 at byte {error.start}") from error
     except json.JSONDecodeError as error:
         raise damaged(path, f"its JSON breaks off in line {error.lineno}, column {error.colno}") from error
+    except ValueError as error:
+        raise damaged(path, f"its JSON has a number that is none ({shown(str(error))})") from error
     if tree.asset.version.partition(".")[0] != "2":
         raise damaged(path, f"it is of glTF version {shown(tree.asset.version)}, and 2 is read")
     return tree

@@ -56,6 +56,8 @@ class _Content:
 
 def read_obj_file(path: Path, data: bytes) -> CadFile:
     """The objects of an OBJ file; an object that is taken up again under its name is one body."""
+    if b"\0" in data:
+        raise damaged(path, f"it is no text: byte {data.index(0)} is zero")
     content = _Content()
     current = content.objects.setdefault("", _Polygons())
     for number, words in _statements(data):

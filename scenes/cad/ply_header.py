@@ -17,6 +17,9 @@ ORDERS = {"ascii": None, "binary_little_endian": "<", "binary_big_endian": ">"}
 LONGEST_HEADER = 65536
 """Bytes (choice: a hundred times what writers need)."""
 
+LONGEST_COUNT = 18
+"""Digits (choice: what fits 64 bits)."""
+
 
 @dataclass(frozen=True)
 class Property:
@@ -88,7 +91,7 @@ def read_header(path: Path, data: bytes) -> Header:
                 pass
             case ["format", name, "1.0"] if name in ORDERS:
                 order = ORDERS[name]
-            case ["element", name, count] if count.isascii() and count.isdigit():
+            case ["element", name, count] if count.isascii() and count.isdigit() and len(count) <= LONGEST_COUNT:
                 elements.append(Element(name, int(count), ()))
             case ["property", "list", count_type, kind, name] if elements and {count_type, kind} <= TYPES.keys():
                 _add(elements, Property(name, TYPES[kind], TYPES[count_type]))

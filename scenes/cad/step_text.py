@@ -18,8 +18,8 @@ CONVERTED = {"INCH": "in", "INCHES": "in", "IN": "in", "MILLIMETRE": "mm", "CENT
 """Names of conversion-based units, as writers spell them -> unit; any other goes by its own name."""
 _QUIET = re.compile(rb"'(?:[^']|'')*'|/\*.*?\*/", re.DOTALL)
 """Strings and comments, in which anything may stand."""
-_ENTITY = re.compile(rb"#\s*(\d+)\s*=([^;]*);")
-_REFERENCE = re.compile(rb"#\s*(\d+)")
+_ENTITY = re.compile(rb"#\s*(\d{1,18})\s*=([^;]*);")
+_REFERENCE = re.compile(rb"#\s*(\d{1,18})")
 _SI_METRE = re.compile(rb"SI_UNIT\s*\(\s*(?:\$|\.(\w+)\.)\s*,\s*\.METRE\.")
 _CONVERSION = re.compile(rb"CONVERSION_BASED_UNIT\s*\(\s*'([^']*)'")
 _UNITS = re.compile(rb"GLOBAL_UNIT_ASSIGNED_CONTEXT\s*\(\s*\(([^)]*)\)")

@@ -93,35 +93,47 @@ def _text_solids(path: Path, data: bytes) -> tuple[list[tuple[str, np.ndarray]],
     check_triangle_count(path, data.count(b"\n") // 7)
     solids: list[tuple[str, np.ndarray]] = []
     notices = []
-    for name, body, closed in _blocks(path, data):
+    for name, body, end in _blocks(path, data):
         corners = _corners(path, name, body)
-        if not closed:
-            if not len(corners):
-                raise damaged(path, f"{_CUT_OFF} at the start of solid {shown(name)}")
-            notices.append(f"solid {shown(name)} has no `endsolid`; if the file was cut off there, export it again")
+        if end is None and not len(corners):
+            raise damaged(path, f"{_CUT_OFF} at the start of solid {shown(name)}")
+        notices += _doubts(name, end, len(corners))
         solids.append((name, corners))
+    if not any(len(corners) for _, corners in solids):
+        return solids, []  # refused as a whole
     return solids, notices
 
 
-def _blocks(path: Path, data: bytes) -> Iterator[tuple[str, bytes, bool]]:
-    """Name, words between `solid` and `endsolid`, and whether the latter is there, of every solid."""
+def _doubts(name: str, end: str | None, facets: int) -> list[str]:
+    """Notices on a solid that does not end as it should, which is how a lost piece shows."""
+    if end is None:
+        return [f"solid {shown(name)} has no `endsolid`; if the file was cut off there, export it again"]
+    if not facets:
+        return [f"solid {shown(name)} has no facets; export it again if something is missing"]
+    if end and not name.lower().startswith(end.lower()):
+        return [f"solid {shown(name)} ends as {shown(end)}; export it again if a solid is missing"]
+    return []
+
+
+def _blocks(path: Path, data: bytes) -> Iterator[tuple[str, bytes, str | None]]:
+    """Name of every solid, the words between `solid` and `endsolid`, and the name behind the latter, None without."""
     lines = list(_SOLID_LINE.finditer(data))
     opened: re.Match[bytes] | None = None
     outside = 0
     for line in lines:
         if line[1] is None:
             if opened is not None:
-                yield _name(path, opened), data[opened.end() : line.start()], False
+                yield _name(path, opened), data[opened.end() : line.start()], None
             else:
                 _nothing_between(path, data, outside, line.start())
             opened = line
         elif opened is None:
             raise damaged(path, f"`endsolid` without `solid` in line {_line(data, line.start())}")
         else:
-            yield _name(path, opened), data[opened.end() : line.start()], True
+            yield _name(path, opened), data[opened.end() : line.start()], plain_text(line[2]).strip()
             opened, outside = None, line.end()
     if opened is not None:
-        yield _name(path, opened), data[opened.end() :], False
+        yield _name(path, opened), data[opened.end() :], None
     else:
         _nothing_between(path, data, outside, len(data))
 

@@ -248,6 +248,25 @@ GLTF_CASES = (
     _refused("huge_count.glb", "an accessor beyond its buffer", _huge_count, "needs 1099511627776 values"),
     _refused("zeros.glb", "an accessor without data", _zeros, "accessor 0 has no data"),
     _refused("nan.glb", "a corner is no number", _nan, "1 vertices that are not finite numbers"),
+    Case(
+        "endless_number.gltf",
+        "a number of thousands of digits",
+        lambda: b'{"asset": {"version": "2.0"}, "scene": ' + b"1" * 5000 + b"}",
+        refusal="its JSON has a number that is none",
+    ),
+    Case(
+        "buffer_elsewhere.gltf",
+        "the buffer is a file that is not there",
+        lambda: _made(_plain, text=True)().replace(b"data:application/octet-stream;base64,", b"gone/"),
+        refusal="is not beside it",
+    ),
+    Case(
+        "misspelt.gltf",
+        "a property that the format does not have",
+        lambda: _made(_mirrored, text=True)().replace(b'"scale"', b'"scala"'),
+        {"misspelt": truth(ANGLE)},
+        notices=("glTF has no property `scala`",),
+    ),
     Case("cut.glb", "cut off", lambda: _made(_plain)()[:-40], refusal="the file is cut off"),
     Case("cut.gltf", "cut off", lambda: _made(_plain, text=True)()[:-40], refusal="its JSON breaks off in line"),
 )

@@ -109,6 +109,12 @@ OBJ_CASES = (
         refusal="line 15: -9 is no vertex of a face; 8 come before it",
     ),
     _obj(
+        "utf16",
+        "two bytes a letter",
+        lambda: _lines(*writers.obj_lines(BASE)).decode().encode("utf-16-le"),
+        refusal="it is no text: byte 1 is zero",
+    ),
+    _obj(
         "nan",
         "a corner is no number",
         lambda: _lines(*writers.obj_lines(BASE)).replace(b"v 40 30 20", b"v 40 nan 20"),

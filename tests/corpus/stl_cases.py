@@ -107,6 +107,20 @@ STL_CASES = (
         notices=("solid base plate has no `endsolid`",),
     ),
     _stl(
+        "text_empty_solid",
+        "a solid without facets",
+        lambda: _text(stl_writer.text(ANGLE, "angle"), "solid knob\nendsolid knob\n"),
+        bodies={"text_empty_solid": truth(ANGLE)},
+        notices=("solid knob has no facets",),
+    ),
+    _stl(
+        "text_other_end",
+        "a solid that ends under the name of another, as the end of one and the start of the next are missing",
+        lambda: _text(stl_writer.text(BASE, "base plate", end=False), "endsolid knob\n"),
+        bodies={"text_other_end": truth(BASE)},
+        notices=("solid base plate ends as knob",),
+    ),
+    _stl(
         "text_cut_in_second",
         "cut off in its second solid",
         lambda: _text(_two())[:-400],
