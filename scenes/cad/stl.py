@@ -130,7 +130,11 @@ def _blocks(path: Path, data: bytes) -> Iterator[tuple[str, bytes, str | None]]:
         elif opened is None:
             raise damaged(path, f"`endsolid` without `solid` in line {_line(data, line.start())}")
         else:
-            yield _name(path, opened), data[opened.end() : line.start()], plain_text(line[2]).strip()
+            yield (
+                _name(path, opened),
+                data[opened.end() : line.start()],
+                plain_text(line[2] if opened[2].strip() else b"").strip(),
+            )
             opened, outside = None, line.end()
     if opened is not None:
         yield _name(path, opened), data[opened.end() :], None
