@@ -18,7 +18,7 @@ class _Entry(BaseModel):
     others: ClassVar[tuple[str, ...]] = ()
     """Properties of the format that say nothing of surfaces."""
 
-    extensions: dict[str, dict[str, Any]] = {}
+    extensions: dict[str, Any] = {}
     extras: Any = None
 
     def unknown(self) -> Iterator[str]:

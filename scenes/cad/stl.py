@@ -33,6 +33,8 @@ FACET = [
 WORDS = [i for i, word in enumerate(FACET) if word != "0"]
 NUMBERS = [i for i in range(8, 20) if i not in WORDS]
 """Where a facet has its corners; the normal is not used."""
+PADDING = b"\0 \t\r\n"
+"""Bytes that may follow the last triangle: writers fill up blocks with them."""
 LONGEST_WORD = 64
 """Characters (choice: the longest number that a double can need has 25; bounds the memory of the table of words)."""
 _SOLID_LINE = re.compile(rb"^[ \t]*(end)?solid(?![^\s])([^\n]*)$", re.IGNORECASE | re.MULTILINE)
@@ -58,7 +60,7 @@ def _binary_solids(path: Path, data: bytes) -> list[tuple[str, np.ndarray]] | No
     """Name and corners (n, 3, 3) of each solid; None if the file is text. Some tools set files one after another."""
     solids = []
     at = 0
-    while at < len(data):
+    while data[at:].strip(PADDING):
         count = int.from_bytes(data[at + 80 : at + HEADER], "little")
         end = at + HEADER + RECORD * count
         if at + HEADER > len(data) or end > len(data) or (count == 0 and end < len(data)):

@@ -8,8 +8,8 @@ from tests.corpus.gltf_writer import MM, Gltf
 from tests.corpus.solids import ANGLE, BASE, KNOB, Solid
 from tests.corpus.table import Case, Truth, truth
 
-HALF = 25.0
-"""Half side of the cube that integer positions are stretched over [mm]."""
+REACH = 45.0
+"""What the largest integer stands for, farther than any corner [mm]."""
 
 
 def _made(build, text: bool = False):
@@ -85,25 +85,26 @@ def _sparse(file: Gltf) -> None:
 
 
 def _integers(kind: str, normalized: bool):
-    """Positions as integers over a cube of 2 HALF, which the node's scale undoes (KHR_mesh_quantization)."""
-    most = np.iinfo(kind).max
+    """Positions as integers, the largest of which stands for REACH, which the node's scale undoes (the extension
+    KHR_mesh_quantization)."""
+    most, middle = np.iinfo(kind).max, 20.0 if kind.startswith("i") else 0.0
 
     def build(file: Gltf) -> None:
-        centred = BASE.points - 20
-        values = np.round(centred / HALF * most).astype(kind)
+        centred = BASE.points - middle
+        values = np.round(centred / REACH * most).astype(kind)
         stride = -(-values.dtype.itemsize * 3 // 4) * 4
         positions = file.accessor(values, stride=stride, **({"normalized": True} if normalized else {}))
         file.require("KHR_mesh_quantization")
-        scale = HALF * MM / (1 if normalized else most)
+        scale = REACH * MM / (1 if normalized else most)
         mesh = file.mesh({"attributes": {"POSITION": positions}, "indices": file.indices(BASE.triangles)})
-        file.node(mesh, name="base", scale=[scale] * 3, translation=[0.02] * 3)
+        file.node(mesh, name="base", scale=[scale] * 3, translation=[middle * MM] * 3)
 
     return build
 
 
 def _integer_case(name: str, kind: str, normalized: bool) -> Case:
-    """An integer rounds by half of HALF / largest, so the volume by the sum over sides."""
-    step = HALF / np.iinfo(kind).max / 2
+    """An integer rounds by half of REACH / largest, so the volume by the sum over sides at most."""
+    step = REACH / np.iinfo(kind).max / 2
     slack = 2 * step * (40 * 30 + 40 * 20 + 30 * 20) * 1.1
     bodies = {name: truth(BASE, slack=slack)}
     make = _made(_integers(kind, normalized))
@@ -217,6 +218,8 @@ GLTF_CASES = (
     Case("sparse.glb", "sparse positions", _made(_sparse), {"sparse": truth(BASE)}),
     _integer_case("signed_bytes", "i1", True),
     _integer_case("signed_shorts", "i2", True),
+    _integer_case("unsigned_bytes", "u1", True),
+    _integer_case("unsigned_shorts", "u2", True),
     _integer_case("whole_bytes", "i1", False),
     _integer_case("whole_shorts", "i2", False),
     Case("only_looks.glb", "extensions of appearance", _made(_only_looks), {"only_looks": truth(ANGLE)}),

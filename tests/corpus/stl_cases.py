@@ -48,6 +48,12 @@ STL_CASES = (
         bodies={"binary_after_binary": truth(BASE), "binary_after_binary_1": truth(KNOB)},
     ),
     _stl(
+        "binary_padded",
+        "zeros behind the last triangle",
+        lambda: stl_writer.binary(ANGLE) + b"\0" * 428,
+        bodies={"binary_padded": truth(ANGLE)},
+    ),
+    _stl(
         "binary_count_high",
         "the header counts more than the file has",
         lambda: stl_writer.binary(ANGLE, count=2**31),

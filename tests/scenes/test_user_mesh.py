@@ -124,6 +124,17 @@ def test_faces_of_a_cad_kernels_glb_are_one_body(tmp_path):
     assert len(body.mesh.faces) == 12
 
 
+def test_a_gltf_finds_its_buffer_beside_it(tmp_path):
+    """A text file names its buffer, blanks spelt as `%20`; without that file it is refused by name."""
+    tree, binary = split_into_primitives(stored(tmp_path, "box.glb", trimesh.creation.box((0.1, 0.06, 0.03))))
+    tree["buffers"][0]["uri"] = "my%20box.bin"
+    path = written(tmp_path, "box.gltf", json.dumps(tree))
+    with pytest.raises(InputError, match=r"its buffer my%20box.bin is not beside it"):
+        load_user_part(path, None, STEEL)
+    (tmp_path / "my box.bin").write_bytes(binary)
+    np.testing.assert_allclose(np.ptp(extent(load_user_part(path, None, STEEL, up="z")), axis=0), [0.1, 0.06, 0.03])
+
+
 def test_obj_objects_are_bodies(tmp_path):
     """`o` lines name bodies."""
     part = load_user_part(stored(tmp_path, "two.obj", assembly()), "m", STEEL)
