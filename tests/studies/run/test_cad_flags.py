@@ -1,10 +1,11 @@
-"""A CAD file whose name is no UTF-8: the settings that describe it can be written as JSON and in any charset."""
+"""What a CAD file is called and made of on the command line: names that are no UTF-8, a material flag for each body."""
 
 import os
 from pathlib import Path
 
 import pytest
 
+from studies.base.flags import parse_case_command
 from studies.run.scene_settings import SubjectSettings, build_subject, resolved
 
 STL = b"solid a\n" + b"".join(
@@ -31,3 +32,19 @@ def test_title_and_settings_are_text(tmp_path):
     assert subject.notices == ()
     assert resolved(settings).mesh == Path("Körper.stl")
     assert "Körper.stl" in resolved(settings).model_dump_json()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--material", "a=iron:ground", "b=brass:polished"],
+        ["--material", "a=iron:ground", "--material", "b=brass:polished"],
+        ["--material=a=iron:ground", "--units", "mm", "--material=b=brass:polished"],
+        ["--material", "a=iron:ground", "--up", "z", "--material", "b=brass:polished"],
+    ],
+)
+def test_a_material_flag_for_each_body_counts(words):
+    """Each may have its own flag, as the message for a body without a material advises; none is dropped."""
+    command = parse_case_command(SubjectSettings, ["--out", "o", "--mesh", "x.stl", *words], "franbv frame", "")
+    assert command.settings.material == ("a=iron:ground", "b=brass:polished")
+    assert command.settings.mesh == Path("x.stl")
