@@ -77,49 +77,49 @@ def _check_faces(path: Path, corners: np.ndarray, counts: np.ndarray, known: int
 
 
 class _TextReader:
-    """Takes the elements of a text file off its words, one after another."""
+    """Takes the elements of a text file off its lines, one a row."""
 
     def __init__(self, path: Path, body: bytes) -> None:
         self.path = path
-        self.words = body.split()
+        self.lines = [words for words in (line.split() for line in body.splitlines()) if words]
         self.at = 0
 
     def rows(self, element: Element) -> ElementRows:
         """The values of the next element."""
-        if element.count * element.fewest_values > len(self.words) - self.at:
-            raise damaged(self.path, element.cut_off(f"{len(self.words) - self.at} values are left for it"))
-        if not element.lists:
-            values = np.array(self._take(element, 0, element.count * len(element.columns)), float)
-            table = values.reshape(element.count, len(element.columns))
-            return ElementRows({name: table[:, i] for i, (name, _) in enumerate(element.columns)}, {})
+        left = len(self.lines) - self.at
+        if element.count > left:
+            raise damaged(self.path, element.cut_off(f"{left} lines are left for them"))
+        lines = self.lines[self.at : self.at + element.count]
+        self.at += element.count
         scalars: dict[str, list[float]] = {name: [] for name in element.scalars}
         lists: dict[str, tuple[list[float], list[int]]] = {name: ([], []) for name in element.lists}
-        for row in range(element.count):
+        for row, words in enumerate(lines):
+            values = self._numbers(element, row, words)
+            at = 0
             for name, is_list in element.columns:
+                count = self._length(element, row, words, at) if is_list else 1
+                taken = values[at + is_list : at + is_list + count]
+                at += is_list + count
                 if is_list:
-                    count = self._length(element, row)
-                    values = self._take(element, row, count)
-                    lists[name][0].extend(values)
+                    lists[name][0].extend(taken)
                     lists[name][1].append(count)
                 else:
-                    scalars[name] += self._take(element, row, 1)
+                    scalars[name] += taken
+            if at != len(words):
+                raise damaged(self.path, f"{element.name} {row}: its line has {len(words)} values, not {at}")
         return ElementRows(
             {name: np.array(values, float) for name, values in scalars.items()},
             {name: (np.array(v, float), np.array(counts, np.int64)) for name, (v, counts) in lists.items()},
         )
 
-    def _length(self, element: Element, row: int) -> int:
-        word = self.words[self.at : self.at + 1]
-        self.at += 1
-        if not word or not word[0].isdigit():
-            raise damaged(self.path, f"{element.name} {row}: {shown(plain_text(b' '.join(word)))} is no count")
-        return int(word[0]) if len(word[0]) < 10 else len(self.words)
+    def _length(self, element: Element, row: int, words: list[bytes], at: int) -> int:
+        """Of the list that begins with word `at`; more than the line has is more than any line has."""
+        word = words[at] if at < len(words) else b""
+        if not word.isdigit():
+            raise damaged(self.path, f"{element.name} {row}: {shown(plain_text(word))} is no count of a list")
+        return int(word) if len(word) < 10 else 10**10
 
-    def _take(self, element: Element, row: int, count: int) -> list[float]:
-        words = self.words[self.at : self.at + count]
-        self.at += count
-        if len(words) < count:
-            raise damaged(self.path, element.cut_off(f"the file ends in row {row}"))
+    def _numbers(self, element: Element, row: int, words: list[bytes]) -> list[float]:
         try:
             return [float(word) for word in words]
         except ValueError:
@@ -127,10 +127,10 @@ class _TextReader:
             raise damaged(self.path, f"{element.name} {row}: {text}: not all of it are numbers") from None
 
     def check_end(self) -> None:
-        """InputError if words are left."""
-        if self.at < len(self.words):
-            left = len(self.words) - self.at
-            raise damaged(self.path, f"{left} values follow after all that the header announces")
+        """InputError if lines are left."""
+        if self.at < len(self.lines):
+            left = len(self.lines) - self.at
+            raise damaged(self.path, f"{left} lines follow after all that the header announces")
 
 
 class _BinaryReader:

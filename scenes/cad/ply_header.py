@@ -40,11 +40,6 @@ class Element:
     properties: tuple[Property, ...]
 
     @property
-    def fewest_values(self) -> int:
-        """Of a row: one for each property, as every list may be empty."""
-        return max(len(self.properties), 1)
-
-    @property
     def fewest_bytes(self) -> int:
         """Of a row."""
         return max(sum(np.dtype(p.count_type or p.type).itemsize for p in self.properties), 1)

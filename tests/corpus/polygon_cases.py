@@ -166,6 +166,12 @@ PLY_CASES = (
         lambda: _ply_text().replace(b"\n", b"\r\n"),
         bodies={"text_crlf": truth(ANGLE)},
     ),
+    _ply(
+        "text_joined",
+        "a line end is missing",
+        lambda: _ply_text().replace(b"\n0 0 0\n", b"\n0 0 0", 1),
+        refusal="its line has 5 values, not 3",
+    ),
     _ply("text_cut", "cut off", lambda: _ply_text()[:-20], refusal="the file is cut off"),
     _ply("little_cut", "cut off", lambda: _ply_binary("<")[:-20], refusal="the file is cut off"),
     _ply("big_cut", "cut off", lambda: _ply_binary(">")[:-20], refusal="the file is cut off"),
@@ -179,7 +185,7 @@ PLY_CASES = (
         "too_few_text",
         "the header announces less than there is",
         lambda: _ply_text(faces=5),
-        refusal="values follow after all that the header announces",
+        refusal="3 lines follow after all that the header announces",
     ),
     _ply(
         "too_few",

@@ -181,6 +181,8 @@ def outcome(folder: Path, damaged: Damaged, part: UserPart | None, before: UserP
         return "notice" if part.notices else "SILENT: open"
     if before is None:  # the damage took away what made the file unreadable, such as a NaN
         return "readable by chance"
+    if any(damaged.data == case.make() for case in CORPUS):
+        return "another whole file"
     if damaged.kind == "cut":
         return "whole file of fewer bodies" if whole_in_front(damaged) else "SILENT: cut off"
     counts = {triangle_count(folder, damaged.case, data) for data in (damaged.data, damaged.case.make())}
