@@ -20,15 +20,15 @@ from scenes.cad.cad_file import (
     shown,
     used_only,
 )
-from scenes.cad.gltf_buffers import COMPONENTS, LARGEST, Buffers
+from scenes.cad.gltf_buffers import COMPONENTS, FULL_SCALE, Buffers
 from scenes.cad.gltf_extensions import check_required, check_stored
 from scenes.cad.gltf_tree import GltfMesh, Node, Primitive
 
-POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
-"""Modes of a primitive; 1 to 3 are lines (3.7.2.1)."""
+TRIANGLES, STRIP, FAN = 4, 5, 6
+"""Modes of a primitive; those below are points and lines (3.7.2.1)."""
 OUT_OF_BOUNDS = 1e-3
 """Share of a mesh's extent by which positions may leave their stated bounds without a word (choice: writers round)."""
-MOST_NAMED = 5
+MOST_UNKNOWN = 5
 """Unknown properties that are named (choice: one is enough to see that something is wrong)."""
 
 Triangles = tuple[Float[np.ndarray, "n 3"], Int[np.ndarray, "m 3"]]
@@ -68,7 +68,7 @@ class _Reader:
         self.buffers = buffers
         self.path, self.tree = buffers.path, buffers.tree
         unknown = sorted(set(self.tree.unknown()))
-        self.notices = [f"glTF has no property `{shown(name)}`; it is left out" for name in unknown[:MOST_NAMED]]
+        self.notices = [f"glTF has no property `{shown(name)}`; it is left out" for name in unknown[:MOST_UNKNOWN]]
         self._meshes: dict[int, Triangles] = {}
         check_required(self.path, self.tree.extensionsRequired)
 
@@ -174,7 +174,7 @@ class _Reader:
         if accessor.min is None or accessor.max is None or len(accessor.min) != 3 or len(accessor.max) != 3:
             return
         kind = COMPONENTS[accessor.componentType][1:]
-        unit = LARGEST.get(kind, 1) if accessor.normalized else 1
+        unit = FULL_SCALE.get(kind, 1) if accessor.normalized else 1
         stated = np.array([accessor.min, accessor.max]) / unit
         with np.errstate(all="ignore"):
             found = np.stack([positions.min(axis=0), positions.max(axis=0)]).astype(float)

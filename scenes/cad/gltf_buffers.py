@@ -17,7 +17,7 @@ from scenes.cad.gltf_tree import Accessor, BufferView, Tree
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 """Component types (3.6.2.2)."""
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-LARGEST = {"i1": 127, "u1": 255, "i2": 32767, "u2": 65535}
+FULL_SCALE = {"i1": 127, "u1": 255, "i2": 32767, "u2": 65535}
 """Integer that stands for 1 where a type is normalized (3.11; also KHR_mesh_quantization)."""
 
 
@@ -51,8 +51,8 @@ class Buffers:
             values = self._table(f"accessor {index}", accessor, kind, width)
         if accessor.sparse is not None:
             values = self._replaced(index, accessor, values)
-        if accessor.normalized and kind.str[1:] in LARGEST:
-            return np.maximum(values / LARGEST[kind.str[1:]], -1.0)
+        if accessor.normalized and kind.str[1:] in FULL_SCALE:
+            return np.maximum(values / FULL_SCALE[kind.str[1:]], -1.0)
         return values
 
     def _check_count(self, index: int, accessor: Accessor) -> None:

@@ -21,7 +21,7 @@ from scenes.cad.cad_file import (
     unused,
     used_only,
 )
-from scenes.cad.polygons import PolygonError, triangulated
+from scenes.cad.polygons import triangulated
 
 WITHOUT_SHAPE = {
     "vt", "vn", "vp", "g", "s", "usemtl", "mtllib", "usemap", "maplib", "mg", "lod", "l", "p", "bevel", "c_interp",
@@ -135,11 +135,14 @@ def _body(path: Path, name: str, polygons: _Polygons, vertices: np.ndarray) -> R
         raise damaged(
             path, f"line {polygons.lines[face]}: vertex {last} of a face, but the file has {len(vertices)} vertices"
         )
-    try:
-        faces, _ = triangulated(vertices, corners, counts)
-    except PolygonError as error:
-        line = polygons.lines[error.polygon]
-        raise damaged(path, f"line {line}: a face cannot be cut into triangles: {error.why}") from None
+    faces, _ = triangulated(
+        vertices,
+        corners,
+        counts,
+        lambda polygon, why: damaged(
+            path, f"line {polygons.lines[polygon]}: a face cannot be cut into triangles: {why}"
+        ),
+    )
     return RawBody(name, *used_only(vertices, faces))
 
 

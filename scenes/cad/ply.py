@@ -17,7 +17,7 @@ from scenes.cad.cad_file import (
     used_only,
 )
 from scenes.cad.ply_header import Element, Header, read_header
-from scenes.cad.polygons import PolygonError, triangulated
+from scenes.cad.polygons import triangulated
 
 CORNER_LISTS = ("vertex_indices", "vertex_index")
 """Names that writers give to the corners of a face."""
@@ -50,10 +50,12 @@ def read_ply_file(path: Path, data: bytes) -> CadFile:
         return CadFile((), points=len(vertices) > 0)
     corners, counts = _whole(path, corner_list[0]), corner_list[1]
     _check_faces(path, corners, counts, len(vertices))
-    try:
-        faces, _ = triangulated(vertices, corners, counts)
-    except PolygonError as error:
-        raise damaged(path, f"face {error.polygon} cannot be cut into triangles: {error.why}") from None
+    faces, _ = triangulated(
+        vertices,
+        corners,
+        counts,
+        lambda face, why: damaged(path, f"face {face} cannot be cut into triangles: {why}"),
+    )
     check_triangle_count(path, len(faces))
     body = RawBody(file_stem(path), *used_only(vertices, faces))
     return CadFile((body,), unused(len(vertices), corners))

@@ -3,7 +3,7 @@
 A fan from the first corner closes the notch of a concave polygon; trimesh does so in OBJ and PLY (its issue 2519).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -12,24 +12,21 @@ FLAT = 1e-9
 """Triangles below this share of the polygon's area have none: rounding (choice, far above that of doubles)."""
 MAX_CORNERS = 5_000
 """Of a concave polygon [-] (choice: the work grows with the square, this many take 4 s)."""
-
-
-class PolygonError(ValueError):
-    """A polygon that cannot be cut into triangles: which one, and why."""
-
-    def __init__(self, polygon: int, corners: int) -> None:
-        crossed = "its outline crosses or folds over itself"
-        self.why = crossed if corners <= MAX_CORNERS else f"it is concave with more than {MAX_CORNERS} corners"
-        super().__init__(polygon, self.why)
-        self.polygon = polygon
+CROSSED = "its outline crosses or folds over itself"
+TOO_MANY = f"it is concave with more than {MAX_CORNERS} corners"
+"""Why a polygon cannot be cut."""
 
 
 def triangulated(
-    points: Float[np.ndarray, "n 3"], corners: Int[np.ndarray, "c"], counts: Int[np.ndarray, "p"]
+    points: Float[np.ndarray, "n 3"],
+    corners: Int[np.ndarray, "c"],
+    counts: Int[np.ndarray, "p"],
+    refused: Callable[[int, str], Exception],
 ) -> tuple[Int[np.ndarray, "m 3"], Int[np.ndarray, "m"]]:
     """Triangles of p polygons, in their order, and the polygon of each.
 
     corners: vertex indices of all polygons, one after another; counts: corners of each, 3 or more.
+    refused: makes the error for a polygon that cannot be cut, of its number and the reason.
     """
     starts = np.cumsum(counts) - counts
     pieces: list[np.ndarray] = []
@@ -43,7 +40,7 @@ def triangulated(
         for polygon, loop in zip(polygons[~good], loops[~good], strict=True):
             clipped = _clipped_ears(points[loop])
             if clipped is None:
-                raise PolygonError(int(polygon), len(loop))
+                raise refused(int(polygon), CROSSED if count <= MAX_CORNERS else TOO_MANY)
             pieces.append(loop[clipped])
             owners.append(np.full(len(clipped), polygon))
     if not pieces:
@@ -51,12 +48,6 @@ def triangulated(
     owner = np.concatenate(owners)
     order = np.argsort(owner, kind="stable")
     return np.concatenate(pieces)[order], owner[order]
-
-
-def flat_lists(polygons: Sequence[Sequence[int]]) -> tuple[Int[np.ndarray, "c"], Int[np.ndarray, "p"]]:
-    """The polygons as `triangulated` takes them."""
-    counts = np.array([len(polygon) for polygon in polygons], np.int64)
-    return np.array([corner for polygon in polygons for corner in polygon], np.int64), counts
 
 
 def _fan(count: int) -> Int[np.ndarray, "k 3"]:

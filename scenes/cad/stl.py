@@ -21,7 +21,7 @@ from scenes.cad.cad_file import (
     shown,
 )
 
-HEADER, RECORD = 84, 50
+HEADER_BYTES, TRIANGLE_BYTES = 84, 50
 """Bytes before the first triangle, and of each."""
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 FACET = [
@@ -33,7 +33,7 @@ FACET = [
 WORDS = [i for i, word in enumerate(FACET) if word != "0"]
 NUMBERS = [i for i in range(8, 20) if i not in WORDS]
 """Where a facet has its corners; the normal is not used."""
-PADDING = b"\0 \t\r\n"
+FILLING = b"\0 \t\r\n"
 """Bytes that may follow the last triangle: writers fill up blocks with them."""
 LONGEST_WORD = 64
 """Characters (choice: the longest number that a double can need has 25; bounds the memory of the table of words)."""
@@ -60,14 +60,14 @@ def _binary_solids(path: Path, data: bytes) -> list[tuple[str, np.ndarray]] | No
     """Name and corners (n, 3, 3) of each solid; None if the file is text. Some tools set files one after another."""
     solids = []
     at = 0
-    while data[at:].strip(PADDING):
-        count = int.from_bytes(data[at + 80 : at + HEADER], "little")
-        end = at + HEADER + RECORD * count
-        if at + HEADER > len(data) or end > len(data) or (count == 0 and end < len(data)):
+    while data[at:].strip(FILLING):
+        count = int.from_bytes(data[at + 80 : at + HEADER_BYTES], "little")
+        end = at + HEADER_BYTES + TRIANGLE_BYTES * count
+        if at + HEADER_BYTES > len(data) or end > len(data) or (count == 0 and end < len(data)):
             if not solids and _is_text(data):
                 return None
             raise damaged(path, _miscounted(len(data), at, count, bool(solids)))
-        triangles = np.frombuffer(data, TRIANGLE, count, at + HEADER)
+        triangles = np.frombuffer(data, TRIANGLE, count, at + HEADER_BYTES)
         solids.append((file_stem(path), triangles["corners"].astype(float)))
         at = end
     return solids
@@ -75,11 +75,11 @@ def _binary_solids(path: Path, data: bytes) -> list[tuple[str, np.ndarray]] | No
 
 def _miscounted(size: int, at: int, count: int, follows: bool) -> str:
     """In words: what the header at byte `at` announces, and what the file holds."""
-    held = max(size - at - HEADER, 0) / RECORD
+    held = max(size - at - HEADER_BYTES, 0) / TRIANGLE_BYTES
     if follows:
         return f"{size - at} bytes follow after the last of the triangles that the header counts, at byte {at}"
-    if size < HEADER:
-        return f"{_CUT_OFF} in its header: {size} of {HEADER} bytes"
+    if size < HEADER_BYTES:
+        return f"{_CUT_OFF} in its header: {size} of {HEADER_BYTES} bytes"
     if count == 0:
         return f"the header counts 0 triangles, but {held:.4g} follow"
     return f"{_CUT_OFF} after {int(held)} of {count} triangles, at byte {size}"

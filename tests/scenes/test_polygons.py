@@ -4,10 +4,16 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from scenes.cad.polygons import MAX_CORNERS, PolygonError, triangulated
+from materials.input_error import InputError
+from scenes.cad.polygons import MAX_CORNERS, triangulated
 from scenes.topology import face_normals
 
 RNG = np.random.default_rng(3)
+
+
+def refused(polygon: int, why: str) -> InputError:
+    """The error of a reader."""
+    return InputError(f"polygon {polygon}: {why}")
 
 
 def star(corners: int) -> np.ndarray:
@@ -39,7 +45,7 @@ def shoelace(outline: np.ndarray) -> float:
 
 def cut(points: np.ndarray) -> np.ndarray:
     """Vector areas of the triangles of one polygon (n, 3)."""
-    faces, owners = triangulated(points, np.arange(len(points)), np.array([len(points)]))
+    faces, owners = triangulated(points, np.arange(len(points)), np.array([len(points)]), refused)
     assert set(owners) == {0}
     return face_normals(points, faces) / 2
 
@@ -79,7 +85,7 @@ def test_the_polygons_stay_in_their_order():
     square = [0, 1, 2, 3]
     points[square] = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
     corners = np.array([*square, 4, 5, 6, *square, 7, 8, 9, 0, 1, 2])
-    faces, owners = triangulated(points, corners, np.array([4, 3, 4, 3, 3]))
+    faces, owners = triangulated(points, corners, np.array([4, 3, 4, 3, 3]), refused)
     assert owners.tolist() == [0, 0, 1, 2, 2, 3, 4]
     assert faces[2].tolist() == [4, 5, 6]
 
@@ -87,7 +93,7 @@ def test_the_polygons_stay_in_their_order():
 def test_what_has_no_inside_is_refused():
     """A bow tie covers one half the other way round; a star with crossing arms folds over itself."""
     bow_tie = np.array([(0, 0, 0), (10, 0, 0), (0, 10, 0), (12, 10, 0)], float)
-    with pytest.raises(PolygonError, match="crosses"):
+    with pytest.raises(InputError, match="crosses"):
         cut(bow_tie)
 
 
@@ -103,5 +109,5 @@ def test_a_huge_polygon_is_taken_if_convex_and_refused_if_not():
     circle = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
     assert cut(circle).sum(axis=0)[2] == pytest.approx(np.pi, rel=1e-6)
     circle[1::2] *= 0.9
-    with pytest.raises(PolygonError, match=f"more than {MAX_CORNERS} corners"):
+    with pytest.raises(InputError, match=f"more than {MAX_CORNERS} corners"):
         cut(circle)
