@@ -43,7 +43,7 @@ _CUT_OFF = "the file is cut off"
 
 def read_stl_file(path: Path, data: bytes) -> CadFile:
     """The solids of an STL file."""
-    solids, notices = _binary_solids(path, data), []
+    solids, notices = _binary_solids(path, data)
     if solids is None:
         solids, notices = _text_solids(path, data)
     names = distinct_names([name for name, _ in solids])
@@ -56,8 +56,11 @@ def read_stl_file(path: Path, data: bytes) -> CadFile:
     return CadFile(tuple(bodies), tuple(notices))
 
 
-def _binary_solids(path: Path, data: bytes) -> list[tuple[str, np.ndarray]] | None:
-    """Name and corners (n, 3, 3) of each solid; None if the file is text. Some tools set files one after another."""
+def _binary_solids(path: Path, data: bytes) -> tuple[list[tuple[str, np.ndarray]] | None, list[str]]:
+    """Name and corners (n, 3, 3) of each solid, and notices; None if the file is text.
+
+    Some tools set files one after another.
+    """
     solids = []
     at = 0
     while data[at:].strip(FILLING):
@@ -65,12 +68,13 @@ def _binary_solids(path: Path, data: bytes) -> list[tuple[str, np.ndarray]] | No
         end = at + HEADER_BYTES + TRIANGLE_BYTES * count
         if at + HEADER_BYTES > len(data) or end > len(data) or (count == 0 and end < len(data)):
             if not solids and _is_text(data):
-                return None
+                return None, []
             raise damaged(path, _miscounted(len(data), at, count, bool(solids)))
         triangles = np.frombuffer(data, TRIANGLE, count, at + HEADER_BYTES)
         solids.append((file_stem(path), triangles["corners"].astype(float)))
         at = end
-    return solids
+    left = f"{len(data) - at} bytes without content follow the last triangle; if it was cut off there, export it again"
+    return solids, [left] if at < len(data) else []
 
 
 def _miscounted(size: int, at: int, count: int, follows: bool) -> str:

@@ -52,6 +52,7 @@ STL_CASES = (
         "zeros behind the last triangle",
         lambda: stl_writer.binary(ANGLE) + b"\0" * 428,
         bodies={"binary_padded": truth(ANGLE)},
+        notices=("428 bytes without content follow the last triangle",),
     ),
     _stl(
         "binary_count_high",
