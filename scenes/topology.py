@@ -3,14 +3,16 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Int, Num
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
 
 from scenes.scene import Mesh
 
 WELD_TOLERANCE = 1e-7
-"""Corners in the same cell of this grid are one point; STL repeats each corner per triangle [m] (choice)."""
+"""Corners within this distance are one point; STL repeats each corner per triangle [m] (choice: a hundredth of the
+0.01 mm to which text files are often rounded, and more than the rounding of 32-bit numbers at 1 m)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,11 +33,16 @@ class SharedEdges:
 
 
 def welded(vertices: Float[np.ndarray, "n 3"], tolerance: float = WELD_TOLERANCE) -> Int[np.ndarray, "n"]:
-    """Index of the point that each vertex stands on: vertices at one place share it, however often they are stored."""
-    return distinct_rows(np.round(vertices / tolerance).astype(np.int64))[1]
+    """Index of the point that each vertex stands on: vertices within `tolerance` share it, however they are stored.
+
+    By distance, not by the cells of a grid, whose borders part what is near. A chain of near points is one point.
+    """
+    first, place = distinct_rows(vertices)
+    near = KDTree(vertices[first]).query_pairs(tolerance, output_type="ndarray")
+    return connected(len(first), near)[place] if len(near) else place
 
 
-def distinct_rows(rows: Int[np.ndarray, "n k"]) -> tuple[Int[np.ndarray, "d"], Int[np.ndarray, "n"]]:
+def distinct_rows(rows: Num[np.ndarray, "n k"]) -> tuple[Int[np.ndarray, "d"], Int[np.ndarray, "n"]]:
     """First index of each distinct row, and which of them each row is; ten times faster than numpy's unique rows."""
     group = np.zeros(len(rows), np.int64)
     for column in rows.T:

@@ -9,8 +9,9 @@ from jaxtyping import Float, Int
 from scipy.spatial.transform import Rotation
 
 from materials.input_error import InputError
-from scenes.cad_files import RawBody, read_cad_file
-from scenes.cad_units import metres_per_unit
+from scenes.cad.cad_file import RawBody, file_stem
+from scenes.cad_files import read_cad_file
+from scenes.cad_units import metres_per_unit, unheeded_unit
 from scenes.lay import with_planar_charts
 from scenes.part_materials import PartMaterials
 from scenes.scene import Body, Mesh
@@ -18,8 +19,6 @@ from scenes.shading_normals import with_smooth_normals
 from scenes.topology import face_normals, open_edge_count, welded
 from scenes.winding import turned_outward
 
-MAX_TRIANGLES = 2_000_000
-"""Largest file that is taken [-] (choice: 300,000 load in 6 s, so this many in well under a minute)."""
 UPRIGHT = {"x": ("y", -90), "y": ("x", 90), "z": ("z", 0)}
 """Rotation [axis, deg] that turns the file's up axis to world z."""
 
@@ -46,37 +45,51 @@ def load_user_part(
     up: the file's upward axis; None = z, but y for GLB, as glTF 2.0 lays down.
     """
     path = Path(path)
-    raw = read_cad_file(path)
-    materials.check_names(str(path), [body.name for body in raw])
+    read = read_cad_file(path)
+    raw = read.bodies
+    chosen = materials.for_bodies(str(path), [body.name for body in raw])
     _check_numbers(path, raw)
-    scale = metres_per_unit(path, units, max(np.ptp(np.concatenate([b.vertices for b in raw]), axis=0)))
+    scale = metres_per_unit(path, units, _longest_side(raw), read.unit)
     y_up = up is None and path.suffix.lower() in (".glb", ".gltf")
     axis, angle = UPRIGHT["y" if y_up else up or "z"]
     upright = Rotation.from_euler(axis, angle, degrees=True)
     vertices = [upright.apply(body.vertices * scale) for body in raw]
     foot = _foot(np.concatenate(vertices))
-    notices = [f"{path}: taken as y-up, as glTF lays down, and turned upright"] if y_up else []
+    notices = [f"{path}: {notice}" for notice in (*read.notices, *unheeded_unit(units, read.unit), *_doubled(raw))]
+    if y_up:
+        notices.append(f"{path}: taken as y-up, as glTF lays down, and turned upright")
     bodies = []
-    for body, points in zip(raw, vertices, strict=True):
-        material = materials.of(body.name)
-        if material is None:
-            raise InputError(f"{path}: body {body.name} has no material; pass --material {body.name}=metal:finish")
+    for body, points, material in zip(raw, vertices, chosen, strict=True):
         mesh, mended = _finished(f"{path}: body {body.name}", points - foot, body.faces)
         notices += mended
         bodies.append(Body(body.name, mesh, material, is_part=True))
-    return UserPart(path.stem, tuple(bodies), tuple(notices))
+    return UserPart(file_stem(path), tuple(bodies), tuple(notices))
 
 
-def _check_numbers(path: Path, raw: list[RawBody]) -> None:
+def _check_numbers(path: Path, raw: tuple[RawBody, ...]) -> None:
     for body in raw:
         bad = np.count_nonzero(~np.isfinite(body.vertices).all(axis=1))
         if bad:
             raise InputError(
                 f"{path}: body {body.name} has {bad} vertices that are not finite numbers; export it again"
             )
-    triangles = sum(len(body.faces) for body in raw)
-    if triangles > MAX_TRIANGLES:
-        raise InputError(f"{path}: {triangles} triangles; export it coarser, at most {MAX_TRIANGLES}")
+
+
+@np.errstate(over="ignore")  # what overflows is refused as too large
+def _longest_side(raw: tuple[RawBody, ...]) -> float:
+    """Of the bounding box, in the file's unit."""
+    return float(np.ptp(np.concatenate([body.vertices for body in raw]), axis=0).max())
+
+
+def _doubled(raw: tuple[RawBody, ...]) -> list[str]:
+    """Notices for bodies that are the same surface in the same place, where the renderer sees either by chance."""
+    first: dict[bytes, str] = {}
+    notices = []
+    for body in raw:
+        name = first.setdefault(body.vertices.tobytes() + body.faces.tobytes(), body.name)
+        if name != body.name:
+            notices.append(f"bodies {name} and {body.name} are one surface twice in one place; leave one out in CAD")
+    return notices
 
 
 def _foot(points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "3"]:

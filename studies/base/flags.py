@@ -16,6 +16,9 @@ from studies.base.config import check_finite, load_config, validation_line
 HELP_INDENT = " " * 8
 """Tyro's indent of an option's description inside its boxes."""
 
+REPEATABLE = "--material"
+"""Takes several words, after one flag or each after a flag of its own; tyro would keep the last flag's alone."""
+
 Settings = TypeVar("Settings", bound=BaseModel)
 Parsed = TypeVar("Parsed")
 
@@ -40,7 +43,7 @@ def parse_case_command(settings: type[Settings], args: list[str], prog: str, hel
         settings=load_config(settings, Path(file)) if file else settings(),
         out=tyro.MISSING,
     )
-    command = parse(CaseCommand[settings], args, prog, help_text, default)
+    command = parse(CaseCommand[settings], _gathered(REPEATABLE, args), prog, help_text, default)
     check_finite(command.settings, "the flags")
     return command
 
@@ -94,3 +97,18 @@ def _value_of(flag: str, args: list[str]) -> str | None:
         if arg.startswith(f"{flag}="):
             return arg.removeprefix(f"{flag}=")
     return None
+
+
+def _gathered(flag: str, args: list[str]) -> list[str]:
+    """The same with all words of `flag` behind one, at the end."""
+    others: list[str] = []
+    words: list[str] = []
+    inside = False
+    for arg in args:
+        if arg == flag or arg.startswith("--"):
+            inside = arg == flag
+        if arg.startswith(f"{flag}="):
+            words.append(arg.removeprefix(f"{flag}="))
+        elif arg != flag:
+            (words if inside else others).append(arg)
+    return [*others, flag, *words] if words else args

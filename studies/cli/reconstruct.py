@@ -19,8 +19,8 @@ def run(args: list[str]) -> int:
     """Reconstruct, unless the finished case is there already; then say what was reached."""
     command = parse_case_command(ReconstructSettings, args, f"franbv {RUN_COMMAND}", _HELP)
     subject = build_subject(command.settings)
-    check_workspace(subject.scene, command.settings.parameters)
-    for notice in subject.notices:
+    flatness = check_workspace(subject.scene, command.settings.parameters)
+    for notice in (*subject.notices, *flatness):
         warn(f"franbv {RUN_COMMAND}: {notice}")
     config = resolved_run(command.settings)
     case, found = made_once(RUN_COMMAND, config, command.out, FILES, lambda folder: simulate(folder, config, subject))

@@ -73,7 +73,8 @@ class UserCad(Config):
     up: Literal["x", "y", "z"] | None = None
     """Upward axis; the default is the format's convention."""
     material: tuple[str, ...]
-    """What the real thing is made of: `metal:finish`, or one per body as `body=metal:finish`."""
+    """What the real thing is made of: `metal:finish`, or one per body, by name or number, as
+    `body=metal:finish` or `#2=metal:finish`."""
     weight: Annotated[float, Field(ge=0)] = 1.0
     """How often it is drawn, relative to the parts."""
 

@@ -11,6 +11,7 @@ from franbv.sensing import DepthBurst
 from materials.input_error import InputError
 from render.arm.arm import SimulatedArm
 from render.d435i import SimulatedD435i
+from render.depth.coding import DepthFormat
 from render.world.visibility import seen_from_above
 from scenes.reference_points import part_box
 from scenes.scene import Scene
@@ -19,6 +20,9 @@ from studies.run.reference import reference_surface
 from studies.run.run_case import RunSettings, ablated, write_run
 from studies.run.scene_settings import Subject, SubjectSettings, mounted, resolved
 from studies.run.shared_bursts import SharedCaptures
+
+CLEARANCE_SHARE = 2 / 3
+"""Of a voxel, that is table: the share of the default parameters, which removes the layer of the table top alone."""
 
 
 class ReconstructSettings(RunSettings, SubjectSettings):
@@ -57,8 +61,11 @@ def take_with(camera: SimulatedD435i) -> Take:
     return take
 
 
-def check_workspace(scene: Scene, parameters: Parameters) -> None:
-    """InputError when the part does not fit into the box that the planner maps."""
+def check_workspace(scene: Scene, parameters: Parameters) -> tuple[str, ...]:
+    """InputError when the part does not fit into the box that the planner maps, or no depth can tell it from the table.
+
+    Returns a notice when it is so flat that the map counts it as table.
+    """
     low, high = part_box(scene)
     if np.any(low[:2] < parameters.workspace_min[:2]) or np.any(high > parameters.workspace_max):
         size = _millimetres(high - low)
@@ -67,6 +74,31 @@ def check_workspace(scene: Scene, parameters: Parameters) -> None:
             f"{scene.name}: {size} mm do not fit into the mapped box of {room} mm around the origin; "
             "raise --parameters.workspace-min and --parameters.workspace-max"
         )
+    height = float(high[2]) - parameters.table_height
+    step = DepthFormat().unit
+    if height < step:
+        raise InputError(
+            f"{scene.name}: it is {1000 * height:.3g} mm tall on the table, less than one step of the camera's depth "
+            f"({1000 * step:g} mm), so no view can tell it from the table; stand it up with --up, or take a taller part"
+        )
+    return _too_flat(scene.name, height, parameters)
+
+
+def _too_flat(name: str, height: float, parameters: Parameters) -> tuple[str, ...]:
+    """A notice when the part ends below the lowest voxels that count as object: those above the table's clearance.
+
+    The advice puts the part's top into the middle of the lowest of them: voxels as large as it is tall.
+    """
+    size, clearance = parameters.voxel_size, parameters.table_clearance
+    lowest = (np.floor((parameters.table_height + clearance) / size) + 1) * size - parameters.table_height
+    if height >= lowest - size / 2:
+        return ()
+    return (
+        f"{name}: it is {1000 * height:.3g} mm tall, and the map takes all below {1000 * (lowest - size / 2):.3g} mm "
+        f"for table (voxels of {1000 * size:.3g} mm, table clearance {1000 * clearance:.3g} mm), so coverage will be "
+        f"low whatever the material; set --parameters.voxel-size {height:.2g} "
+        f"--parameters.table-clearance {height * CLEARANCE_SHARE:.2g}, which takes longer",
+    )
 
 
 def _millimetres(sides: np.ndarray) -> str:

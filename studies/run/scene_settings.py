@@ -16,6 +16,7 @@ from render.d435i import SensorSettings
 from render.depth.decimation import crop_centre, decimated_intrinsics
 from render.matcher.d400_preset import is_file_name, load_preset
 from scenes.build import COUPONS, coupon_scene, part_scene, scene_on_table
+from scenes.cad.cad_file import file_name
 from scenes.part_materials import part_materials
 from scenes.parts import PART_NAMES, part_description
 from scenes.scene import Scene
@@ -32,11 +33,12 @@ class SubjectSettings(Config):
     mesh: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """CAD file instead of a part: STL, PLY, OBJ, GLB, or STEP with the extra `step`."""
     units: Annotated[str | None, tyro.conf.arg(metavar="mm|cm|m|in")] = None
-    """Unit of the CAD file; only GLB and STEP know their own."""
+    """Unit of the CAD file; only GLB and STEP know their own, and that of STEP cannot be changed."""
     up: Literal["x", "y", "z"] | None = None
     """Upward axis of the CAD file; the default is its format's convention."""
     material: Annotated[tuple[str, ...], tyro.conf.arg(metavar="METAL:FINISH|BODY=METAL:FINISH")] = ()
-    """One material for all bodies, or one per body name; parts A-D come with those of the real things."""
+    """One material for all bodies, or one per body, by name or number ('#2=METAL:FINISH'); parts A-D come with those of
+    the real things."""
     materials_file: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """YAML file with materials of your own."""
     lamps: str = "workshop"
@@ -123,7 +125,7 @@ def preset_files(name: str, sensor: SensorSettings) -> list[Path]:
 def resolved(settings: AnySubject) -> AnySubject:
     """The settings that decide the result: input files by name and content, not by where they lie."""
     files = {name: path for name in ("mesh", "materials_file") if (path := getattr(settings, name)) is not None}
-    names = {name: Path(path.name) for name, path in files.items()}
+    names = {name: Path(file_name(path)) for name, path in files.items()}
     digests = {name: file_digest(path) for name, path in files.items()}
     return with_sensor_resolved(settings).model_copy(update={**names, "digests": digests})
 
@@ -131,7 +133,8 @@ def resolved(settings: AnySubject) -> AnySubject:
 def _from_file(settings: SubjectSettings, path: Path, user: UserMaterials, notices: tuple[str, ...]) -> Subject:
     part = load_user_part(path, settings.units, part_materials(settings.material, user), settings.up)
     scene = scene_on_table(part.name, part.bodies, settings.lamps, room=settings.room)
-    return Subject(f"{path.name}, {', '.join(settings.material)}", scene, (*part.notices, *notices))
+    title = f"{file_name(path)}, {', '.join(settings.material)}"
+    return Subject(title, scene, (*part.notices, *notices))
 
 
 def _coupon(settings: SubjectSettings, coupon: str, user: UserMaterials, notices: tuple[str, ...]) -> Subject:

@@ -124,6 +124,17 @@ def test_faces_of_a_cad_kernels_glb_are_one_body(tmp_path):
     assert len(body.mesh.faces) == 12
 
 
+def test_a_gltf_finds_its_buffer_beside_it(tmp_path):
+    """A text file names its buffer, blanks spelt as `%20`; without that file it is refused by name."""
+    tree, binary = split_into_primitives(stored(tmp_path, "box.glb", trimesh.creation.box((0.1, 0.06, 0.03))))
+    tree["buffers"][0]["uri"] = "my%20box.bin"
+    path = written(tmp_path, "box.gltf", json.dumps(tree))
+    with pytest.raises(InputError, match=r"its buffer my%20box.bin is not beside it"):
+        load_user_part(path, None, STEEL)
+    (tmp_path / "my box.bin").write_bytes(binary)
+    np.testing.assert_allclose(np.ptp(extent(load_user_part(path, None, STEEL, up="z")), axis=0), [0.1, 0.06, 0.03])
+
+
 def test_obj_objects_are_bodies(tmp_path):
     """`o` lines name bodies."""
     part = load_user_part(stored(tmp_path, "two.obj", assembly()), "m", STEEL)
@@ -196,6 +207,39 @@ def test_step_without_its_extra_says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setattr(cad_files.importlib.util, "find_spec", lambda name: None)
     with pytest.raises(InputError, match=re.escape(f'{path}: STEP needs an extra; pip install "franbv[step]", or')):
         load_user_part(path, None, STEEL)
+
+
+@pytest.mark.skipif(importlib.util.find_spec("cascadio") is None, reason="needs the extra `step`")
+def test_a_step_file_of_absurd_size_says_its_unit_and_what_can_be_done(tmp_path):
+    """The 40 mm block with its points in metres: 40000 mm by the file's word, which no flag can change."""
+    path = tmp_path / "block.step"
+    text = (Path(__file__).parent / "block_40x30x20_mm.step").read_text()
+    path.write_text(re.sub(r"SI_UNIT *\( *\.MILLI\., *\.METRE\. *\)", "SI_UNIT($,.METRE.)", text))
+    for units in (None, "mm", "m"):
+        with pytest.raises(InputError) as caught:
+            load_user_part(path, units, STEEL)
+        assert str(caught.value) == (
+            f"{path}: bounding box is 40 m long, as the file's own unit is m; parts are 5 mm to 1 m long; "
+            "--units cannot change what a STEP file states: scale it in CAD, such as by 1/1000 (40 mm), or export it "
+            "again in its true unit"
+        )
+
+
+def test_one_surface_twice_is_said(tmp_path):
+    """Two bodies of one shape in one place: the renderer sees either by chance."""
+    faces = "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+    lines = f"o a\nv 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\n{faces}o b\n{faces}"
+    path = written(tmp_path, "twice.obj", lines)
+    part = load_user_part(path, "mm", STEEL)
+    assert part.notices == (f"{path}: bodies a and b are one surface twice in one place; leave one out in CAD",)
+
+
+@pytest.mark.parametrize("end", ["o knob\n", "o knob\nv 50 0 0\nv 60 0 0\n", "v 50 0 0\n"])
+def test_an_obj_that_ends_in_the_midst_of_an_object_says_so(tmp_path, end):
+    """Nothing marks the end of an OBJ; an object without faces, or vertices without, are all that a cut leaves."""
+    lines = "o base\nv 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+    part = load_user_part(written(tmp_path, "cut.obj", lines + end), "mm", STEEL)
+    assert len(part.notices) == end.count("o knob") + ("v " in end)
 
 
 def no_triangles(folder: Path) -> Path:
@@ -287,9 +331,15 @@ def test_a_size_that_fits_no_unit_is_refused(tmp_path):
 def test_bodies_without_or_with_unknown_materials_are_named(tmp_path):
     """A body that no word covers, and a word that no body has."""
     path = stored(tmp_path, "assembly.glb", assembly())
-    with pytest.raises(InputError, match=r"body base has no material; pass --material base=metal:finish$"):
+    with pytest.raises(
+        InputError,
+        match=r"body base has no material; pass --material base=metal:finish; bodies by number: #1 ball, #2 base, ",
+    ):
         load_user_part(path, None, part_materials(["ball=brass:polished"]))
-    with pytest.raises(InputError, match=r"there is no body bal to give a material to; did you mean ball\?$"):
+    with pytest.raises(
+        InputError,
+        match=r"there is no body bal to give a material to; did you mean ball\?; bodies by number: #1 ball, #2 base, ",
+    ):
         load_user_part(path, None, part_materials(["iron:ground", "bal=brass:polished"]))
     with pytest.raises(InputError, match="has no material"):
         load_user_part(path, None, PartMaterials())

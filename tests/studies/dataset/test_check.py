@@ -22,7 +22,7 @@ def _files(root: Path) -> list[Path]:
 def test_a_sound_dataset_has_no_problem(small_dataset: Path, capsys: pytest.CaptureFixture):
     """Exit status 0 and the number of views."""
     assert main(["dataset", "check", str(small_dataset), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out.splitlines()[-1]) == {"views": 4, "problems": 0}
+    assert json.loads(capsys.readouterr().out.splitlines()[-1]) == {"schema": 1, "views": 4, "problems": 0}
 
 
 def test_materials_of_the_user_are_known(small_config: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
