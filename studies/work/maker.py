@@ -16,7 +16,7 @@ from render.world import backend
 
 VERSIONED = (
     "franbv", "mitsuba", "drjit", "numpy", "scipy", "scikit-learn", "opencv-python-headless", "numba", "llvmlite",
-    "trimesh",
+    "cascadio",
 )  # fmt: skip
 """Packages whose version can change a result."""
 INSTRUCTION_SETS = {"avx512f": "AVX-512", "avx2": "AVX2", "avx": "AVX", "sse4.2": "SSE4.2", "neon": "NEON"}
@@ -31,9 +31,17 @@ def versions() -> dict[str, str]:
     """Of Python, of every package that can change a result, of the renderer's LLVM; and the instruction set."""
     return (
         {"python": platform.python_version()}
-        | {name: importlib.metadata.version(name) for name in VERSIONED}
+        | {name: installed_version(name) for name in VERSIONED}
         | {"llvm": renderer_llvm(), "instruction set": instruction_set()}
     )
+
+
+def installed_version(name: str) -> str:
+    """Of a package; `none` where it is not installed, as those of extras may be."""
+    try:
+        return importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return "none"
 
 
 def maker() -> dict[str, str]:
