@@ -18,7 +18,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from franbv.planners import PLANNERS
 from materials.input_error import InputError
+from render.matcher.by_name import MATCHERS
 from render.world.backend import BackendError
 from studies.base.output_errors import FutileError
 from studies.cli.main import Stopped
@@ -223,7 +225,7 @@ def test_its_examples_print_what_it_shows(tree: Path):
     for said, wanted in zip(printed, expected, strict=True):
         assert wanted
         assert said[-len(wanted) :] == wanted
-    assert re.search(r"--planner \{fra,pb,re,random,nearest\}", "\n".join(choices))
-    assert re.search(r"--sensor.matcher \{d4,sgbm,block\}", "\n".join(choices))
+    assert f"--planner {{{','.join([*PLANNERS, 'nearest'])}}}" in "\n".join(choices)
+    assert f"--sensor.matcher {{{','.join([*MATCHERS, 'block'])}}}" in "\n".join(choices)
     line = (tree / "runs" / "tum" / "groundtruth.txt").read_text().splitlines()[1]
     assert line.split() == ["000000", "0.100000", "0.200000", "0.300000", *["0.000000"] * 3, "1.000000"]

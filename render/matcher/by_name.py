@@ -9,7 +9,10 @@ from render.matcher.d400_preset import D400Preset
 from render.matcher.interface import StereoMatcher
 from render.matcher.sgbm import SgbmMatcher
 
-MATCHERS: dict[str, Callable[[], StereoMatcher]] = {"d4": D4Matcher, "sgbm": SgbmMatcher}
+MATCHERS: dict[str, Callable[[], StereoMatcher]] = {
+    "d4": D4Matcher,
+    "sgbm": SgbmMatcher,
+}
 """Matchers by their name in flags and configurations; a row here is all that makes one known."""
 
 if TYPE_CHECKING:

@@ -51,7 +51,7 @@ LIMITS = {
     GAIN: (16, 248),
 }
 """What a file may hold: the widths of the chip's registers; depth units from 1 um to 1 m; librealsense's options."""
-WORDS = {"off": 0.0, "on": 1.0, "auto": 2.0, "false": 0.0, "true": 1.0}
+VIEWER_WORDS = {"off": 0.0, "on": 1.0, "auto": 2.0, "false": 0.0, "true": 1.0}
 """Values that the viewer writes as words (`json_loader.hpp`)."""
 
 
@@ -198,7 +198,7 @@ def _objects(content: Any) -> Iterator[dict[str, object]]:
 
 def _number(source: str, key: str, value: object, least: float, most: float) -> float:
     try:
-        word = WORDS.get(value.strip().lower(), value) if isinstance(value, str) else value
+        word = VIEWER_WORDS.get(value.strip().lower(), value) if isinstance(value, str) else value
         number = float(word) if isinstance(word, str | int | float) else math.nan
     except ValueError:
         number = math.nan

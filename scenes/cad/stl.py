@@ -30,8 +30,8 @@ FACET = [
     *("endloop", "endfacet"),
 ]
 """The words of one facet; zeros stand for numbers."""
-WORDS = [i for i, word in enumerate(FACET) if word != "0"]
-NUMBERS = [i for i in range(8, 20) if i not in WORDS]
+FACET_WORDS = [i for i, word in enumerate(FACET) if word != "0"]
+FACET_NUMBERS = [i for i in range(8, 20) if i not in FACET_WORDS]
 """Where a facet has its corners; the normal is not used."""
 FILLING = b"\0 \t\r\n"
 """Bytes that may follow the last triangle: writers fill up blocks with them."""
@@ -163,15 +163,15 @@ def _corners(path: Path, name: str, body: bytes) -> np.ndarray:
     if max(map(len, words), default=0) > LONGEST_WORD:
         raise damaged(path, f"solid {shown(name)} has a word of more than {LONGEST_WORD} letters")
     table = np.array(words[: whole * len(FACET)], bytes).reshape(-1, len(FACET))
-    wrong = (np.char.lower(table[:, WORDS]) != np.array(FACET, bytes)[WORDS]).any(axis=1)
+    wrong = (np.char.lower(table[:, FACET_WORDS]) != np.array(FACET, bytes)[FACET_WORDS]).any(axis=1)
     first = int(np.argmax(wrong)) if wrong.any() else whole
     if first < whole or rest:
         place = f"facet {first + 1} of solid {shown(name)}"
         raise damaged(path, f"{place} is incomplete or garbled; {_CUT_OFF} or damaged there")
     try:
-        return table[:, NUMBERS].astype(float).reshape(-1, 3, 3)
+        return table[:, FACET_NUMBERS].astype(float).reshape(-1, 3, 3)
     except ValueError:
-        raise damaged(path, _no_number(name, table[:, NUMBERS])) from None
+        raise damaged(path, _no_number(name, table[:, FACET_NUMBERS])) from None
 
 
 def _no_number(name: str, table: np.ndarray) -> str:

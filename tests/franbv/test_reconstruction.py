@@ -58,10 +58,15 @@ def _same(first, second):
     )
 
 
-def test_a_matte_box_is_reconstructed(analytic_camera, free_arm):
-    """Every face of a convex box stands open to the hemisphere: six views cover 95 % of it, to well under a voxel."""
+@pytest.mark.parametrize("seed", [1, 2, 4])
+def test_a_matte_box_is_reconstructed(analytic_camera, free_arm, seed):
+    """Every face of a convex box stands open to the hemisphere: ten views cover 95 % of it, to well under a voxel.
+
+    After six it is 75 to 97 %, by the seed.
+    """
     seen = []
-    run = reconstruct(analytic_camera((BOX,)), free_arm(), pb(), PARAMETERS, seed=1, observe=seen.append)
+    parameters = _parameters(max_iterations=10)
+    run = reconstruct(analytic_camera((BOX,)), free_arm(), pb(), parameters, seed=seed, observe=seen.append)
     result = quality(_box_reference(), run.cloud)
     assert result.coverage[0.005] > 0.95
     assert quality(_box_reference(), run.cloud[run.is_mapped]).coverage[0.005] > 0.9

@@ -11,6 +11,7 @@ import pytest
 
 from materials.catalog import metal_names
 from render.labels.causes import HOLES
+from studies.base.console import JSON_SCHEMA
 from studies.cli.main import main
 from studies.sensitivity.columns import cause_column
 from studies.sensitivity.plan import read_plan
@@ -96,7 +97,10 @@ def test_rebuilt_report_is_the_same(study: Path, capsys: pytest.CaptureFixture):
     """`franbv report` on the folder gives the same page and tables, and touches no case."""
     before = {path: path.read_bytes() for path in study.rglob("*") if path.is_file()}
     assert main(["report", str(study), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out.splitlines()[-1]) == {"reports": [str(study / "report.html")]}
+    assert json.loads(capsys.readouterr().out.splitlines()[-1]) == {
+        "schema": JSON_SCHEMA,
+        "reports": [str(study / "report.html")],
+    }
     assert {path: path.read_bytes() for path in study.rglob("*") if path.is_file()} == before
 
 
