@@ -102,8 +102,8 @@ class Parameters(BaseModel):
     )
     rank_by: RankBy = _number(
         "distance",
-        "What ellipsoids are ranked by: distance of the centre from the camera (text below eq. (2)), or its Z-depth, "
-        "an ablation.",
+        "What ellipsoids are ranked by: distance of the centre from the camera, or its Z-depth. Text, below eq. (2); "
+        "depth is an ablation.",
     )
     area_supersampling: Count = _number(
         4,

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
-from franbv.sensing import DepthBurst
+from franbv.sensing import DepthBurst, metric_depths
 
 ROW = Intrinsics(5, 1, 1.0, 1.0, 0.0, 0.0)
 IDENTITY = RigidTransform.identity()
@@ -47,7 +47,7 @@ def test_sound_frames_are_not_copied():
 def test_millimetres_are_refused(depths: np.ndarray):
     """16-bit integers, and the same numbers as floats: 300 m is no depth of a part in front of an arm."""
     with pytest.raises(ValueError, match=r"metres.*millimetres.*divide by 1000"):
-        DepthBurst(depths, ROW, IDENTITY)
+        metric_depths(depths)
 
 
 def test_one_far_pixel_is_no_reason():
@@ -56,8 +56,14 @@ def test_one_far_pixel_is_no_reason():
     assert DepthBurst(depths, ROW, IDENTITY).depths is depths
 
 
-@pytest.mark.parametrize("shape", [(1, 5), (1, 5, 1), (1, 2, 5)])
+def test_a_single_frame_is_no_burst():
+    """Two axes are rows and columns, and say nothing of how often they were measured."""
+    with pytest.raises(ValueError, match="shape"):
+        metric_depths(np.full((1, 5), 0.3, np.float32))
+
+
+@pytest.mark.parametrize("shape", [(1, 5, 1), (1, 2, 5)])
 def test_shapes_that_do_not_fit_are_refused(shape: tuple[int, ...]):
-    """A single frame, rows and columns swapped, another image's intrinsics."""
+    """Rows and columns swapped, another image's intrinsics."""
     with pytest.raises(ValueError, match="shape"):
         DepthBurst(np.full(shape, 0.3, np.float32), ROW, IDENTITY)

@@ -30,7 +30,7 @@ def write_report(case: Path) -> Path:
 
 def report_html(stored: StoredRun) -> str:
     """The whole page."""
-    rows = stored.rows
+    run, rows = stored.run, stored.rows  # first what tells its format
     views = [stored.view(k) for k in range(len(rows))]
     stages = stored.timings["acquisitions"]
     strips = [strip(view, stored.infrared(k)) for k, view in enumerate(views)]
@@ -38,10 +38,10 @@ def report_html(stored: StoredRun) -> str:
         environment("studies.run.report")
         .get_template("reconstruction.html.j2")
         .render(
-            run=stored.run,
-            summary=stored.run["summary"],
-            paragraph=run_paragraph(stored.run, stored.timings),
-            tiles=list(run_tiles(stored.run["summary"], stored.timings)),
+            run=run,
+            summary=run["summary"],
+            paragraph=run_paragraph(run, stored.timings),
+            tiles=list(run_tiles(run["summary"], stored.timings)),
             coverage=coverage_figure(rows),
             acquisitions=[
                 (row, picture, gain) for row, picture, gain in zip(rows, strips, coverage_gains(rows), strict=True)
@@ -50,8 +50,8 @@ def report_html(stored: StoredRun) -> str:
             sensing=timing_figure(stages, [SENSING], "Sensing [s]"),
             planning=timing_figure(stages, [name for name in stage_names(stages) if name != SENSING], "Planning [s]"),
             stages=stage_times(stages),
-            n_frames=stored.run["config"]["parameters"]["n_frames"],
-            config=list(flattened(stored.run["config"])),
+            n_frames=run["config"]["parameters"]["n_frames"],
+            config=list(flattened(run["config"])),
             scene=Markup(scene_payload(rows, views, *stored.cloud, *stored.surface)),
             style=page_style(),
             script=Markup(asset("studies.run.report", "scene_viewer.js")),

@@ -125,9 +125,12 @@ def test_a_finish_that_a_metal_cannot_have_is_not_declared_for_it():
 
 def test_a_metal_of_the_user_has_its_own_finishes():
     """One without an oxide cannot be oxidised: all of it is polished, whatever the weights."""
-    steel = {"kind": "metal", "n": 3.0, "k": 4.5, "valid_nm": (800, 900)}
+    steel = {"kind": "metal", "n": 3.0, "k": 4.5, "valid_nm": (800, 900), "source": "a lab"}
     materials = Materials(
-        metals={"my_steel": 1}, finishes={"oxidised": 1, "polished": 1}, non_metals={}, user={"my_steel": steel}
+        metals={"my_steel": 1},
+        finishes={"oxidised": 1, "polished": 1},
+        non_metals={"rubber": 1},
+        user={"my_steel": steel},
     )
     assert finish_shares(materials) == pytest.approx({"oxidised": 0.0, "polished": 1.0})
 

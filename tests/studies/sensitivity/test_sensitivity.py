@@ -37,7 +37,7 @@ def test_study_from_end_to_end(tmp_path: Path, capsys: pytest.CaptureFixture[str
     command = ["study", "sensitivity", "--preset", str(preset), "--out", str(out), "--workers", "1", "--json"]
     assert main(command) == 0
     first = summary(capsys)
-    assert set(first) == KEYS
+    assert set(first) == {"schema", *KEYS}
     assert (first["cases"], first["failed"]) == (2, 0)
     assert 0 < first["hole_share"] < 1
     assert (out / "report.html").is_file()
