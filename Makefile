@@ -34,7 +34,8 @@ $(READY): requirements.lock pyproject.toml
 demo: $(READY) ## Reconstruct part D with FRA-NBV; the report is runs/demo/report.html
 	$(BIN)/franbv reconstruct --part D --planner fra --seed 0 --out runs/demo
 
-test: lint types layers tests ## Lint, types, layers, tests
+test: lint layers ## Lint, layers, then types and tests beside each other
+	$(MAKE) --jobs 2 types tests
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -9,6 +9,7 @@ the other sign. Many tests are judged together (Holm 1979).
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -66,8 +67,9 @@ def mean_interval(values: Sequence[float]) -> Interval:
     return Interval(float(x.mean()), low, high, len(x))
 
 
+@lru_cache(maxsize=8)
 def resampled(n: int) -> Int[np.ndarray, "resamples n"]:
-    """Which of n runs each bootstrap sample holds."""
+    """Which of n runs each bootstrap sample holds; drawn once for each n, and not to be written to."""
     return np.random.default_rng(RESAMPLING_SEED).integers(n, size=(RESAMPLES, n))
 
 
