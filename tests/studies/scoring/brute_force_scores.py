@@ -14,7 +14,7 @@ import numpy as np
 
 F, CX, CY = 321.0, 319.5, 179.5
 BLOCK, LEFT, TOP, WIDTH, HEIGHT = 8, 80, 16, 60, 40
-REFLECTION = {7, 8, 9, 10}
+REFLECTION = {8, 9, 10, 11}
 """Label codes of the sub-kinds of reflection: dark, saturated, disagreeing, interreflection."""
 MEASURED = 0
 TOLERANCE = 0.005
