@@ -100,7 +100,7 @@ def fra(
     return Planner("fra", integrate_median, approximate_by_ellipsoids, score_by_projection, recovery)
 
 
-def re(gain: Gain = "occlusion_aware", within_object: bool = False) -> Planner:
+def ray_entropy(gain: Gain = "occlusion_aware", within_object: bool = False) -> Planner:
     """Ray-cast entropy: the view whose rays promise most information on the map (paper, section VI).
 
     gain: what a voxel is worth to a ray.
@@ -134,7 +134,7 @@ class KnownPlanner(NamedTuple):
 PLANNERS: dict[str, KnownPlanner] = {
     "fra": KnownPlanner(fra, "FRA-NBV"),
     "pb": KnownPlanner(pb, "PB-NBV"),
-    "re": KnownPlanner(re, "ray-cast entropy"),
+    "re": KnownPlanner(ray_entropy, "ray-cast entropy"),
     "random": KnownPlanner(random_views, "random views"),
 }
 """Planners by their name in flags and configurations; a row here is all that makes one known."""

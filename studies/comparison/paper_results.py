@@ -13,9 +13,7 @@ from studies.comparison.paper_numbers import (
     FRA_LESS_RE_ON_D,
 )
 from studies.comparison.paper_times import time_findings
-from studies.comparison.preset import CORNER
-from studies.comparison.statistics import Comparison
-from studies.comparison.verdicts import (
+from studies.comparison.paper_verdicts import (
     BASELINES,
     DIRECTION,
     FOUND,
@@ -29,6 +27,8 @@ from studies.comparison.verdicts import (
     lead_verdict,
     weakest,
 )
+from studies.comparison.preset import CORNER
+from studies.comparison.statistics import Comparison
 from studies.comparison.view_increments import Advantage, recovery_advantage
 from studies.statistics.intervals import LEVEL, Difference, Interval, least_p
 

@@ -5,8 +5,8 @@ from itertools import pairwise
 
 from studies.base.numbers_as_text import number
 from studies.comparison.paper_numbers import paper_ratio
+from studies.comparison.paper_verdicts import NEAR_SHARE, Finding, judged
 from studies.comparison.statistics import Comparison
-from studies.comparison.verdicts import NEAR_SHARE, Finding, judged
 
 
 def time_findings(comparison: Comparison) -> list[Finding]:

@@ -17,7 +17,7 @@ from franbv.candidates import candidate_poses
 from franbv.frames import Intrinsics
 from franbv.model import model_with
 from franbv.parameters import Parameters
-from franbv.planners import Planner, integrate_median, pb, re
+from franbv.planners import Planner, integrate_median, pb, ray_entropy
 from franbv.sensing import DepthBurst
 from franbv.stage_clock import StageClock
 from franbv.voxel_map import VoxelMap, empty_map
@@ -57,7 +57,7 @@ PAPER = ("candidates", min(CANDIDATES))
 """Axis and size of the setting that has the paper's map, candidates and pixels."""
 DECISION_STAGES = ("map", "object", "ellipsoids", "candidates", "score")
 """Of a decision."""
-TIMED_PLANNERS: dict[str, Callable[[], Planner]] = {"pb": pb, "re": re}
+TIMED_PLANNERS: dict[str, Callable[[], Planner]] = {"pb": pb, "re": ray_entropy}
 
 
 @dataclass(frozen=True)

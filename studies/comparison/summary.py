@@ -7,9 +7,9 @@ from scenes.parts import PART_NAMES
 from studies.base.numbers_as_text import counted
 from studies.comparison.goals import goals_json
 from studies.comparison.paper_results import paper_findings
+from studies.comparison.paper_verdicts import verdict_words
 from studies.comparison.planning_speed import SPEED_JOB
 from studies.comparison.statistics import Comparison
-from studies.comparison.verdicts import verdict_words
 from studies.statistics.intervals import Interval
 from studies.work.workers import Failure
 

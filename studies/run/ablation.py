@@ -8,7 +8,7 @@ from jaxtyping import Bool
 from pydantic import Field
 
 from franbv.parameters import Parameters
-from franbv.planners import PLANNERS, Planner, fra, re
+from franbv.planners import PLANNERS, Planner, fra, ray_entropy
 from franbv.reflective_regions import FILTERS, View, first_hit_is_frontier, first_hit_of_any
 from franbv.volumetric_information import Gain
 from studies.base.config import Config
@@ -89,7 +89,7 @@ def build_planner(name: str, ablation: Ablation) -> Planner:
         locate = first_hit_of_any if ablation.without_filter == "frontier" else first_hit_is_frontier
         return fra(filters, locate)
     if name == "re":
-        return re(ablation.gain or "occlusion_aware", ablation.within_object)
+        return ray_entropy(ablation.gain or "occlusion_aware", ablation.within_object)
     return PLANNERS[name].build()
 
 

@@ -11,7 +11,7 @@ from franbv.geometry.ray_packets import ray_sum
 from franbv.model import Model
 from franbv.object_model import object_model
 from franbv.parameters import Parameters
-from franbv.planners import pb, re
+from franbv.planners import pb, ray_entropy
 from franbv.stage_clock import StageClock
 from franbv.volumetric_information import view_information, view_rays, voxel_cells
 from franbv.voxel_map import empty_map
@@ -56,11 +56,13 @@ def test_ray_cast_entropy(stopwatch, scene):
             poses = candidate_poses(estimate.box, PARAMETERS, AZIMUTH)
             return grid, poses, planner.score(now, SENSOR, poses, PARAMETERS)
 
-    stopwatch.time("RE decision", lambda: decision(re()), n=15)
-    stopwatch.time("RE decision, untouched voxels of the object's box", lambda: decision(re("unobserved", True)), n=15)
+    stopwatch.time("RE decision", lambda: decision(ray_entropy()), n=15)
+    stopwatch.time(
+        "RE decision, untouched voxels of the object's box", lambda: decision(ray_entropy("unobserved", True)), n=15
+    )
     stopwatch.time("PB decision", lambda: decision(pb()), n=15, goal=PB_GOAL_S)
 
-    grid, poses, utilities = decision(re())
+    grid, poses, utilities = decision(ray_entropy())
     fast = stopwatch.time("RE, rays of 32 views", lambda: view_information(grid, SENSOR, poses), n=15)
     start = time.process_time()
     plain = [plain_information(grid, SENSOR, pose, "occlusion_aware") for pose in poses[:PLAIN_VIEWS]]

@@ -7,7 +7,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from franbv.frames import Intrinsics, look_at
 from franbv.geometry.oriented_box import axis_aligned_box
 from franbv.parameters import Parameters
-from franbv.planners import random_views, re
+from franbv.planners import random_views, ray_entropy
 from franbv.reconstruction import reconstruct
 from franbv.volumetric_information import GAINS, view_information
 from franbv.voxel_map import VoxelMap
@@ -130,7 +130,7 @@ def test_unknown_gain_is_refused():
         view_information(random_grid(0), SENSOR, poses_around(), "curiosity")  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("planner", [re(), re("unobserved", within_object=True), random_views()])
+@pytest.mark.parametrize("planner", [ray_entropy(), ray_entropy("unobserved", within_object=True), random_views()])
 def test_runs_in_the_loop_without_ellipsoids(analytic_camera, free_arm, planner):
     """Twice the same views for one seed; no ellipsoids, no recoveries; utilities are those of the map before."""
     parameters = Parameters(n_frames=1, max_iterations=3)

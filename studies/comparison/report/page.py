@@ -7,6 +7,7 @@ from typing import Any
 from studies.base.atomic_file import write_atomically
 from studies.comparison.goals import activations_rise
 from studies.comparison.paper_results import paper_findings
+from studies.comparison.paper_verdicts import DIRECTION, FOUND, TOO_FEW, UNKNOWN
 from studies.comparison.planning_speed import stored_speed
 from studies.comparison.preset import ComparisonPreset
 from studies.comparison.report.change_tables import ablation_rows, changed_link_rows, variant_rows
@@ -25,7 +26,6 @@ from studies.comparison.report.tables import (
 )
 from studies.comparison.statistics import Comparison
 from studies.comparison.summary import failed_runs, paragraph
-from studies.comparison.verdicts import DIRECTION, FOUND, TOO_FEW, UNKNOWN
 from studies.drawing.cells import probability
 from studies.drawing.templates import environment, page_style
 from studies.run.report.page import flattened

@@ -7,8 +7,8 @@ import numpy as np
 
 from studies.comparison.goals import ATS, CLOUDS, GOALS, judge
 from studies.comparison.paper_numbers import ITERATION_S, paper_ratio
+from studies.comparison.paper_verdicts import adjusted_p
 from studies.comparison.statistics import Comparison
-from studies.comparison.verdicts import adjusted_p
 from studies.drawing.cells import NO_NUMBER, POINTS, mean, mean_and_range, probability, seconds, signed, with_range
 
 ARM_CELLS = {

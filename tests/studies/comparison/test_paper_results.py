@@ -4,11 +4,7 @@ import pytest
 
 from studies.comparison.paper_numbers import ITERATION_S, paper_ratio
 from studies.comparison.paper_results import paper_findings
-from studies.comparison.preset import CORNER
-from studies.comparison.report.tables import overhead_words
-from studies.comparison.statistics import Comparison
-from studies.comparison.summary import json_summary
-from studies.comparison.verdicts import (
+from studies.comparison.paper_verdicts import (
     DIRECTION,
     FOUND,
     NOT_FOUND,
@@ -19,6 +15,10 @@ from studies.comparison.verdicts import (
     verdict_words,
     weakest,
 )
+from studies.comparison.preset import CORNER
+from studies.comparison.report.tables import overhead_words
+from studies.comparison.statistics import Comparison
+from studies.comparison.summary import json_summary
 from tests.studies.comparison.comparison_records import made_record
 
 EXPOSURE_S = 0.5
