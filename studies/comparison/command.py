@@ -12,7 +12,7 @@ from materials.input_error import InputError
 from materials.suggestion import suggest
 from studies.base.atomic_file import write_atomically
 from studies.base.case_folder import finished_case
-from studies.base.config import load_config
+from studies.base.config import validated
 from studies.base.console import say, say_json, strict_json, warn
 from studies.base.flags import parse
 from studies.base.inputs import check_not_overwritten
@@ -39,6 +39,8 @@ _PROGRAM = "franbv study comparison"
 _HELP = "Compare FRA-NBV with PB-NBV and ray-cast entropy over many runs, beside the paper's numbers."
 STUDY, RUNS_TABLE, SUMMARY = "comparison.json", "runs.parquet", "summary.json"
 """The resolved preset, the table of runs and the summary, in the output folder."""
+STUDY_FORMAT = 2
+"""Of the first; it rises when runs come to go by other names."""
 WRITTEN = (STUDY, RUNS_TABLE, SUMMARY, REPORT)
 """What stands there beside the runs."""
 
@@ -73,7 +75,7 @@ def run(args: list[str]) -> int:
     check_not_overwritten(preset_files(command.preset, named.sensor), map(command.out.joinpath, WRITTEN))
     with executor_of(command.work) as executor:  # before anything is written
         prepare_output(command.out)
-        write_atomically(command.out / STUDY, strict_json(preset.model_dump(mode="json"), indent=1).encode())
+        write_preset(command.out, preset)
         clock = StudyClock.started(command.out, command.out / RUNS, stored_summary(command.out)["wall_s"])
         failures = reconstruct_all(command.out, preset, runs, executor)
     summary, comparison = evaluate(command.out, preset, runs, failures, clock.elapsed_s())
@@ -82,6 +84,26 @@ def run(args: list[str]) -> int:
     if command.json:
         say_json(summary)
     return exit_status(failures)
+
+
+def write_preset(out: Path, preset: ComparisonPreset) -> None:
+    """Put down what the study in this folder is, so that its page can be made from the folder alone."""
+    stored = {"format": STUDY_FORMAT, "preset": preset.model_dump(mode="json")}
+    write_atomically(out / STUDY, strict_json(stored, indent=1).encode())
+
+
+def stored_preset(out: Path) -> ComparisonPreset:
+    """What the study in this folder is; InputError where it cannot be read, or is of another format: its runs go by
+    other names, so that none of them would be found."""
+    with reading(out / STUDY, "give the study's command again"):
+        stored = json.loads((out / STUDY).read_text(encoding="utf-8"))
+        found = stored.get("format", 1)
+    if found != STUDY_FORMAT:
+        raise InputError(
+            f"{out / STUDY}: was written by an older or newer version (format {found}, here {STUDY_FORMAT}); read it "
+            "with that version, or give the study's command again with another --out"
+        )
+    return validated(ComparisonPreset, stored["preset"], str(out / STUDY))
 
 
 def with_named(
@@ -103,7 +125,7 @@ def with_stored_arms(preset: ComparisonPreset, out: Path) -> ComparisonPreset:
     if not (out / STUDY).exists():
         return preset
     try:
-        stored = load_config(ComparisonPreset, out / STUDY)
+        stored = stored_preset(out)
     except InputError as error:
         warn(f"{_PROGRAM}: {error}; it is replaced, and the report leaves out what only it names")
         return preset
@@ -175,7 +197,7 @@ def stored_summary(out: Path) -> dict[str, Any]:
 
 def rebuild(out: Path) -> Path:
     """Table, summary and report of a comparison from its folder alone; returns the report's path."""
-    preset = load_config(ComparisonPreset, out / STUDY)
+    preset = stored_preset(out)
     before = stored_summary(out)
     failures = [Failure(**failure) for failure in before["failures"]]
     evaluate(out, preset, planned_runs(preset), failures, before["wall_s"])

@@ -146,7 +146,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, ComparisonPre
         (out / RUNS / planned.digest).mkdir(parents=True)
         settings = RunSettings(planner=planned.config.planner, azimuth_deg=planned.config.azimuth_deg, parameters=SMALL)
         reconstruct_ball(out / RUNS / planned.digest, settings=settings)
-    (out / comparison.STUDY).write_text(json.dumps(preset.model_dump(mode="json")))
+    comparison.write_preset(out, preset)
     return out, preset
 
 
