@@ -8,15 +8,16 @@ black_plastic                          a non-metal takes no finish
 
 from materials.finishes import FINISHES, OXIDE_REFLECTANCE, oxide_reflectance
 from materials.input_error import InputError
-from materials.material import Material, Matte, RoughConductor
+from materials.lights import Band
+from materials.material import ConductorNumbers, Material, Matte, RoughConductor
 from materials.non_metals import NON_METALS
 from materials.optical_constants import METALS, optical_constants
 from materials.suggestion import suggest
 from materials.user_materials import NO_USER_MATERIALS, UserMaterials, UserMetal
 
 TWIN_REFLECTANCE = 0.5
-"""Albedo of the matte twin at 850 nm. Choice: one number, so that one twin rendering serves every material of a study;
-half-way, so that auto-exposure neither starves nor saturates the twin beside the same lamps."""
+"""Albedo of the matte twin under every light. Choice: one number, so that one twin rendering serves every material of a
+study; half-way, so that auto-exposure neither starves nor saturates the twin beside the same lamps."""
 
 
 def material(spec: str, user: UserMaterials = NO_USER_MATERIALS) -> Material:
@@ -47,7 +48,15 @@ def _metal(name: str, finish_name: str, override: str, user: UserMaterials) -> R
     oxide = 0.0
     if surface.oxide_share > 0.0:
         oxide = user.oxide_reflectance(name) if own else oxide_reflectance(name)
-    return RoughConductor(spec, n, k, alpha_u, alpha_v, surface.oxide_share, oxide)
+    lamps = () if own else _lamp_numbers(name, oxide)
+    return RoughConductor(spec, n, k, alpha_u, alpha_v, surface.oxide_share, oxide, lamps)
+
+
+def _lamp_numbers(name: str, oxide: float) -> tuple[tuple[Band, ConductorNumbers], ...]:
+    """A built-in metal under the lamps' light."""
+    row = METALS[name]
+    pairs = ((Band.WHITE_LED, row.white_led), (Band.HALOGEN, row.halogen))
+    return tuple((band, ConductorNumbers(n, k, oxide)) for band, (n, k) in pairs)
 
 
 def _alphas(spec: str, override: str) -> tuple[float, float]:
@@ -67,7 +76,8 @@ def _alphas(spec: str, override: str) -> tuple[float, float]:
 def matte_twin(material: Material) -> Matte:
     """What the surface would be if it were diffuse: the intervention that tells whether reflection caused a hole.
 
-    A matte surface is its own twin. Every other one becomes the same grey, whatever it is made of.
+    A matte surface is its own twin. Every other one becomes the same grey, whatever it is made of, and under every
+    light: the twin changes how a surface reflects, and a colour of its own would change how bright its lamps look too.
     """
     return material if isinstance(material, Matte) else Matte("matte_twin", TWIN_REFLECTANCE)
 

@@ -1,6 +1,8 @@
-"""Materials as plain data at 850 nm; `render.world.bsdf` turns them into Mitsuba BSDFs.
+"""Materials as plain data at 850 nm and under the lamps' light; `render.world.bsdf` turns them into Mitsuba BSDFs.
 
-Every one checks its own numbers when it is made, so that no invalid material exists anywhere.
+Every one checks its own numbers when it is made, so that no invalid material exists anywhere. What a number is under a
+lamp is its mean over the lamp's spectrum as the imager weighs it (`materials.lights`); `materials.bands.in_band` puts
+it in the place of the one at 850 nm. A lamp that a material does not name counts as light at 850 nm does.
 """
 
 import math
@@ -8,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from materials.input_error import InputError
+from materials.lights import Band
 
 ALPHA_MIN = 0.001
 """Smallest GGX roughness [-]. Choice: a tenth of a good mirror; in smaller lobes paths miss the projector."""
@@ -15,7 +18,7 @@ ALPHA_MAX = 1.0
 """Largest GGX roughness [-]: above it half of all facets are steeper than 45 deg and no height field is left."""
 ALPHA_RANGE = (ALPHA_MIN, ALPHA_MAX)
 INDEX_RANGE = (0.01, 20.0)
-"""n and k that a metal can have in the near infrared [-]; outside it a table has been misread."""
+"""n and k that a metal can have from the visible to the near infrared [-]; outside it a table has been misread."""
 COAT_INDEX_RANGE = (1.3, 1.8)
 """Refractive indices of clear coats [-]: polymers have 1.34 (fluorinated) to 1.65 (polysulfone), and some room."""
 SHARE_RANGE = (0.0, 1.0)
@@ -26,6 +29,32 @@ def _check(material: str, field: str, value: float, limits: tuple[float, float])
     low, high = limits
     if not (math.isfinite(value) and low <= value <= high):
         raise InputError(f"{material}: {field} is {value:g}; give a number from {low:g} to {high:g}")
+
+
+def _check_lamps(material: str, lamps: tuple[tuple[Band, object], ...]) -> None:
+    """Raise InputError unless every lamp is named once, and none of them is the projector."""
+    bands = [band for band, _ in lamps]
+    if Band.PROJECTOR in bands or len(set(bands)) < len(bands):
+        names = ", ".join(band.value for band in bands)
+        raise InputError(f"{material}: has numbers for {names}; give each kind of lamp once, the projector apart")
+
+
+def _check_lamp_reflectances(material: str, lamps: tuple[tuple[Band, float], ...]) -> None:
+    _check_lamps(material, lamps)
+    for band, reflectance in lamps:
+        _check(material, f"reflectance under {band.value}", reflectance, SHARE_RANGE)
+
+
+@dataclass(frozen=True)
+class ConductorNumbers:
+    """What depends on the light in a `RoughConductor`; checked there."""
+
+    n: float
+    """Real part of the refractive index [-]."""
+    k: float
+    """Extinction coefficient [-]."""
+    oxide_reflectance: float = 0.0
+    """Albedo of the oxide [0, 1]."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +81,15 @@ class RoughConductor:
     """Share of the surface that reflects diffusely [0, 1]."""
     oxide_reflectance: float = 0.0
     """Albedo of that share at 850 nm [0, 1]."""
+    lamps: tuple[tuple[Band, ConductorNumbers], ...] = ()
+    """n, k and `oxide_reflectance` under the lamps' light; n, k as `materials.effective_constants` has them."""
 
     def __post_init__(self) -> None:
+        _check_lamps(self.name, self.lamps)
+        for band, numbers in self.lamps:
+            _check(self.name, f"n under {band.value}", numbers.n, INDEX_RANGE)
+            _check(self.name, f"k under {band.value}", numbers.k, INDEX_RANGE)
+            _check(self.name, f"oxide_reflectance under {band.value}", numbers.oxide_reflectance, SHARE_RANGE)
         _check(self.name, "n", self.n, INDEX_RANGE)
         _check(self.name, "k", self.k, INDEX_RANGE)
         _check(self.name, "alpha_u", self.alpha_u, ALPHA_RANGE)
@@ -78,8 +114,11 @@ class RoughPlastic:
     """GGX roughness of the coat [-]."""
     reflectance: float
     """Albedo of the base at 850 nm [0, 1], under the coat; `materials.coat` relates it to what is seen from outside."""
+    lamps: tuple[tuple[Band, float], ...] = ()
+    """`reflectance` under the lamps' light; the coat's index, larger by 0.01 in the visible, is taken as fixed."""
 
     def __post_init__(self) -> None:
+        _check_lamp_reflectances(self.name, self.lamps)
         _check(self.name, "n", self.n, COAT_INDEX_RANGE)
         _check(self.name, "alpha", self.alpha, ALPHA_RANGE)
         _check(self.name, "reflectance", self.reflectance, SHARE_RANGE)
@@ -96,14 +135,18 @@ class Matte:
     name: str
     reflectance: float
     """Albedo at 850 nm [0, 1]."""
+    lamps: tuple[tuple[Band, float], ...] = ()
+    """`reflectance` under the lamps' light."""
 
     def __post_init__(self) -> None:
+        _check_lamp_reflectances(self.name, self.lamps)
         _check(self.name, "reflectance", self.reflectance, SHARE_RANGE)
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A measured spectral RGL `.bsdf` file (Dupuy and Jakob 2018), interpolated to 850 nm.
+    """A measured spectral RGL `.bsdf` file (Dupuy and Jakob 2018), interpolated to 850 nm, or averaged
+    over a lamp's light with `materials.bands.band_weights`.
 
     It holds the file's name alone; `materials.measured_file` checks the file where it is named and before it is
     rendered.

@@ -63,4 +63,4 @@ def scene_on_table(
     light = lighting(lamps) if isinstance(lamps, str) else lamps
     around = room_bodies() if room else ()
     ambient = 0.0 if room else light.ambient_radiance
-    return Scene(name, (*bodies, table(table_material), *around), light.lamps, ambient)
+    return Scene(name, (*bodies, table(table_material), *around), light.lamps, ambient, light.band)

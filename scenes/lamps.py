@@ -8,8 +8,8 @@ from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from materials.input_error import InputError
+from materials.lights import Band, imager_radiance_per_luminance, lamp_spectrum
 from materials.suggestion import suggest
-from scenes.lamp_spectra import halogen, imager_radiance_per_luminance, white_led
 from scenes.scene import Lamp
 
 QUADRATURE = 16
@@ -26,13 +26,15 @@ class Lighting:
     lamps: tuple[Lamp, ...]
     ambient_radiance: float
     """Radiance of what lies beyond the modelled scene [W m^-2 sr^-1, 850 nm-equivalent]; unseen in a closed room."""
+    band: Band = Band.PROJECTOR
+    """What kind of light it is, all of it: walls that send it back are taken as white."""
 
 
 @dataclass(frozen=True)
 class _Preset:
     illuminance: float
     """Direct light on the table [lux]."""
-    spectrum: Callable[[], Float[np.ndarray, "w"]]
+    band: Band
     layout: Callable[[], tuple[Lamp, ...]]
 
 
@@ -61,12 +63,12 @@ def _aimed(position: Float[np.ndarray, "3"]) -> RigidTransform:
 
 
 _PRESETS = {
-    "off": _Preset(0.0, white_led, lambda: ()),
+    "off": _Preset(0.0, Band.WHITE_LED, lambda: ()),
     # 500 lx is EN 12464-1 for machining to fine tolerances; 200 and 1000 lx are steps of its scale below and above.
-    "dim": _Preset(200.0, white_led, ceiling_panels),
-    "workshop": _Preset(500.0, white_led, ceiling_panels),
-    "bright": _Preset(1000.0, white_led, ceiling_panels),
-    "halogen": _Preset(500.0, halogen, halogen_floods),
+    "dim": _Preset(200.0, Band.WHITE_LED, ceiling_panels),
+    "workshop": _Preset(500.0, Band.WHITE_LED, ceiling_panels),
+    "bright": _Preset(1000.0, Band.WHITE_LED, ceiling_panels),
+    "halogen": _Preset(500.0, Band.HALOGEN, halogen_floods),
 }
 LIGHTING_NAMES = tuple(_PRESETS)
 
@@ -76,25 +78,26 @@ def lighting(name: str) -> Lighting:
     if name not in _PRESETS:
         raise InputError(f"lamps {name}: there is no such preset; {suggest(name, _PRESETS)}")
     preset = _PRESETS[name]
-    return lighting_for(name, preset.layout(), preset.illuminance, preset.spectrum())
+    return lighting_for(name, preset.layout(), preset.illuminance, preset.band)
 
 
-def lighting_for(name: str, lamps: tuple[Lamp, ...], illuminance: float, spectrum: Float[np.ndarray, "w"]) -> Lighting:
+def lighting_for(name: str, lamps: tuple[Lamp, ...], illuminance: float, band: Band) -> Lighting:
     """Lamps of equal radiance that light the middle of the table with `illuminance` [lux], indirect light left out.
 
     A Lambertian lamp of luminance L_v gives E_v = L_v G at the table, G = sum over lamps of
     integral cos(theta) cos(theta_lamp) / r^2 dA; so L_v = E_v / G, and the spectrum turns that luminance into the
-    radiance at 850 nm that frees as many electrons (`lamp_spectra`).
+    radiance at 850 nm that frees as many electrons (`materials.lights`). Where there is no light, its band is the
+    projector's.
     """
     if not (np.isfinite(illuminance) and illuminance >= 0):
         raise InputError(f"lamps {name}: illuminance is {illuminance:g} lx; give a number from 0 up")
     if not lamps or illuminance == 0:
         return Lighting(name, (), 0.0)
     geometry = sum(form_integral(lamp, np.zeros(3), np.array([0.0, 0.0, 1.0])) for lamp in lamps)
-    per_luminance = imager_radiance_per_luminance(spectrum)
+    per_luminance = imager_radiance_per_luminance(lamp_spectrum(band))
     radiance = illuminance / geometry * per_luminance
     ambient = INDIRECT_SHARE * illuminance / np.pi * per_luminance
-    return Lighting(name, tuple(replace(lamp, radiance=radiance) for lamp in lamps), ambient)
+    return Lighting(name, tuple(replace(lamp, radiance=radiance) for lamp in lamps), ambient, band)
 
 
 def form_integral(lamp: Lamp, point: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"]) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial.transform import RigidTransform
 
+from materials.lights import Band
 from materials.material import Material
 
 
@@ -47,7 +48,7 @@ class Lamp:
     height: float
     """Along local y [m]."""
     radiance: float
-    """In the imager's band, 850 nm side [W m^-2 sr^-1]."""
+    """As bright as it is to the imager [W m^-2 sr^-1, 850 nm-equivalent]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +59,9 @@ class Scene:
     bodies: tuple[Body, ...]
     lamps: tuple[Lamp, ...]
     ambient_radiance: float
-    """Constant radiance from every direction that leaves the scene [W m^-2 sr^-1]."""
+    """Constant radiance from every direction that leaves the scene [W m^-2 sr^-1, 850 nm-equivalent]."""
+    lamp_band: Band = Band.PROJECTOR
+    """Which of their numbers the materials have under lamps and ambient light; by default those at 850 nm."""
 
     @property
     def part_bodies(self) -> tuple[Body, ...]:
@@ -83,6 +86,7 @@ class Scene:
             same([body.mesh for body in self.bodies], [body.mesh for body in other.bodies])
             and same(self.lamps, other.lamps)
             and self.ambient_radiance == other.ambient_radiance
+            and self.lamp_band is other.lamp_band
         )
 
     def with_materials(self, change) -> "Scene":

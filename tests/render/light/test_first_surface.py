@@ -8,6 +8,7 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import look_at
 from materials.catalog import material
+from materials.lights import Band
 from render.d435i import SensorSettings, SimulatedD435i
 from render.labels.twin import twin_scene
 from render.light.sampling import Sampling
@@ -77,3 +78,4 @@ def test_geometry_is_more_than_its_shape(scene):
     assert not scene.has_geometry_of(replace(scene, bodies=scene.bodies[:-1]))
     assert not scene.has_geometry_of(replace(scene, lamps=scene.lamps[:-1]))
     assert not scene.has_geometry_of(replace(scene, ambient_radiance=scene.ambient_radiance + 1.0))
+    assert not scene.has_geometry_of(replace(scene, lamp_band=Band.HALOGEN))

@@ -1,12 +1,15 @@
-"""How bright a lamp of given luminance is to an infrared imager without a band-pass filter.
+"""The kinds of light that there are, and how an infrared imager without a band-pass filter weighs their wavelengths.
 
 The imager's model counts photons as if all were at 850 nm. A lamp's spectral radiance L(lambda) frees
 integral L QE lambda dlambda / (h c) electrons per area, time and solid angle, so it counts as much as the radiance
 
     L_850 = integral L(lambda) QE(lambda) lambda dlambda / (QE(850) 850 nm)
 
-at 850 nm. Its luminance is 683 lm/W integral L V dlambda (CIE 1924). Their ratio depends on the spectrum alone.
+at 850 nm. Its luminance is 683 lm/W integral L V dlambda (CIE 1924). Their ratio depends on the spectrum alone. What a
+surface reflects of that light counts by its mean reflectance with the weight L QE lambda (`electron_weights`).
 """
+
+from enum import Enum
 
 import numpy as np
 from jaxtyping import Float
@@ -16,6 +19,22 @@ SPECTRUM_NM = np.arange(360.0, 1101.0, 1.0)
 LUMINOUS_EFFICACY = 683.0
 """K_cd, defines the candela [lm/W], SI brochure 2019."""
 REFERENCE_NM = 850.0
+"""Nominal wavelength of the D400 infrared projector (Intel RealSense D400 series datasheet) [nm]."""
+
+
+class Band(Enum):
+    """The wavelengths of a kind of light, as the imager weighs them; materials have their numbers under each."""
+
+    PROJECTOR = "projector"
+    """The dot projector's laser, 850 nm; also light of which nothing else is known."""
+    WHITE_LED = "white_led"
+    """White phosphor LEDs (`white_led`)."""
+    HALOGEN = "halogen"
+    """A black body at the temperature of a halogen lamp's filament (`halogen`)."""
+
+
+LAMP_BANDS = (Band.WHITE_LED, Band.HALOGEN)
+"""Those of lamps: all but the projector's."""
 
 _QE_NM = (360, 400, 450, 500, 550, 600, 650, 700, 750, 800, 850, 900, 940, 1000, 1050, 1100)
 _QE = (0.30, 0.45, 0.65, 0.76, 0.80, 0.79, 0.74, 0.67, 0.58, 0.48, 0.38, 0.27, 0.19, 0.08, 0.02, 0.0)
@@ -70,3 +89,20 @@ def black_body(temperature: float, wavelength_nm: Float[np.ndarray, "w"] = SPECT
 def halogen() -> Float[np.ndarray, "w"]:
     """Spectral radiance of a halogen lamp: a black body at filament temperature."""
     return black_body(HALOGEN_TEMPERATURE)
+
+
+def lamp_spectrum(band: Band) -> Float[np.ndarray, "w"]:
+    """Relative spectral radiance at `SPECTRUM_NM` of a kind of lamp; the projector's is one line of 1 nm."""
+    match band:
+        case Band.WHITE_LED:
+            return white_led()
+        case Band.HALOGEN:
+            return halogen()
+        case Band.PROJECTOR:
+            return np.where(SPECTRUM_NM == REFERENCE_NM, 1.0, 0.0)
+
+
+def electron_weights(band: Band) -> Float[np.ndarray, "w"]:
+    """Share of the electrons that each nanometre of `SPECTRUM_NM` frees in the imager: L QE lambda, with sum 1."""
+    electrons = lamp_spectrum(band) * quantum_efficiency(SPECTRUM_NM) * SPECTRUM_NM
+    return electrons / np.sum(electrons)
