@@ -13,8 +13,8 @@ from materials.lights import REFERENCE_NM, SPECTRUM_NM, Band, electron_weights
 from materials.material import Material, Matte, Measured, RoughConductor, RoughPlastic
 
 STEP_NM = 10.0
-"""Distance of the wavelengths of `band_weights` [nm]; choice: a third of the narrowest features of the spectra of
-metals and paints."""
+"""Distance of the wavelengths of `band_weights` [nm]; choice: the means of copper's, brass's and gold's spectra, whose
+edges are the steepest, are right to 0.0002."""
 
 
 def in_band(material: Material, band: Band) -> Material:

@@ -6,14 +6,15 @@ iron:blasted@alpha=0.35                the same in all directions
 black_plastic                          a non-metal takes no finish
 """
 
-from materials.finishes import FINISHES, OXIDE_REFLECTANCE, oxide_reflectance
+from materials.finishes import FINISHES, OXIDE_REFLECTANCE, oxide_reflectance, oxide_under_lamps
 from materials.input_error import InputError
 from materials.lights import Band
 from materials.material import ConductorNumbers, Material, Matte, RoughConductor
 from materials.non_metals import NON_METALS
 from materials.optical_constants import METALS, optical_constants
 from materials.suggestion import suggest
-from materials.user_materials import NO_USER_MATERIALS, UserMaterials, UserMetal
+from materials.user_entries import UserMetal
+from materials.user_materials import NO_USER_MATERIALS, UserMaterials
 
 TWIN_REFLECTANCE = 0.5
 """Albedo of the matte twin under every light. Choice: one number, so that one twin rendering serves every material of a
@@ -48,15 +49,16 @@ def _metal(name: str, finish_name: str, override: str, user: UserMaterials) -> R
     oxide = 0.0
     if surface.oxide_share > 0.0:
         oxide = user.oxide_reflectance(name) if own else oxide_reflectance(name)
-    lamps = () if own else _lamp_numbers(name, oxide)
+    lamps = user.lamp_constants(name) if own else _lamp_constants(name, surface.oxide_share > 0.0)
     return RoughConductor(spec, n, k, alpha_u, alpha_v, surface.oxide_share, oxide, lamps)
 
 
-def _lamp_numbers(name: str, oxide: float) -> tuple[tuple[Band, ConductorNumbers], ...]:
+def _lamp_constants(name: str, oxidised: bool) -> tuple[tuple[Band, ConductorNumbers], ...]:
     """A built-in metal under the lamps' light."""
     row = METALS[name]
+    oxide = oxide_under_lamps(name) if oxidised else {}
     pairs = ((Band.WHITE_LED, row.white_led), (Band.HALOGEN, row.halogen))
-    return tuple((band, ConductorNumbers(n, k, oxide)) for band, (n, k) in pairs)
+    return tuple((band, ConductorNumbers(n, k, oxide.get(band, 0.0))) for band, (n, k) in pairs)
 
 
 def _alphas(spec: str, override: str) -> tuple[float, float]:

@@ -13,6 +13,8 @@ brushed aluminium 0.088 x 0.13. What has no anchor is a choice, and says so.
 from dataclasses import dataclass
 
 from materials.input_error import InputError
+from materials.lights import Band
+from materials.measured_spectra import BLACK_IRON, Spectrum, grey
 
 
 @dataclass(frozen=True)
@@ -83,12 +85,31 @@ OXIDE_REFLECTANCE: dict[str, float] = {
 }
 """Albedo at 850 nm of what grows on each metal. Gold grows nothing."""
 
+_OXIDE_COLOURS: dict[str, Spectrum] = {
+    # As measured: weathered iron, SLUM Z008.
+    **dict.fromkeys(("iron", "stainless_austenitic", "stainless_ferritic"), BLACK_IRON),
+    # Choices, by where the oxides absorb. Brown: tenorite is black up to its gap at 1.4 eV (890 nm), cuprite absorbs to
+    # 2 eV (620 nm).
+    **dict.fromkeys(("copper", "brass"), Spectrum((450.0, 620.0, 850.0), (0.05, 0.06, 0.10))),
+    # Chromium(III) absorbs around 460 and 600 nm, which leaves green, and little beyond 700 nm.
+    "chromium": Spectrum((410.0, 460.0, 535.0, 600.0, 650.0, 760.0), (0.07, 0.05, 0.12, 0.06, 0.07, 0.20)),
+    # Yellow: the trioxide absorbs below its gap at 2.7 eV (460 nm).
+    "tungsten": Spectrum((430.0, 490.0), (0.05, 0.40)),
+}
+"""Colours of oxides, scaled to the albedo at 850 nm; oxides that are not named are grey (choice: black, or white)."""
+
 
 def oxide_reflectance(metal: str) -> float:
     """Albedo of a metal's oxide at 850 nm; raises InputError for metals without one."""
     if metal not in OXIDE_REFLECTANCE:
         raise InputError(f"{metal}:oxidised: {metal} has no known oxide layer; take another finish, such as blasted")
     return OXIDE_REFLECTANCE[metal]
+
+
+def oxide_under_lamps(metal: str) -> dict[Band, float]:
+    """Albedo of a metal's oxide under each kind of lamp; raises InputError for metals without one."""
+    at_850 = oxide_reflectance(metal)
+    return dict(_OXIDE_COLOURS.get(metal, grey(at_850)).scaled_to(at_850).under_lamps())
 
 
 def alpha_from_profile_slope(rms_slope: float) -> float:

@@ -11,7 +11,8 @@ from franbv.parameters import Share
 from materials.catalog import finish_names, material_names, metal_names
 from materials.input_error import InputError
 from materials.suggestion import suggest
-from materials.user_materials import UserEntry, UserMaterials, checked_entry
+from materials.user_entries import UserEntry
+from materials.user_materials import UserMaterials, checked_entry
 from render.arm.camera_body import CAMERA_BODIES
 from render.d435i import SensorSettings
 from render.imager.settings import LONGEST_EXPOSURE_US, MOST_LASER_POWER_MW

@@ -11,7 +11,7 @@ from pydantic import BaseModel, Field
 from franbv.parameters import Parameters
 from materials.catalog import material
 from materials.input_error import InputError
-from materials.user_materials import UserMaterials, load_user_materials
+from materials.user_materials import UserMaterials, load_user_materials, named_files
 from render.d435i import SensorSettings
 from render.depth.decimation import crop_centre, decimated_intrinsics
 from render.matcher.d400_preset import is_file_name, load_preset
@@ -127,6 +127,10 @@ def resolved(settings: AnySubject) -> AnySubject:
     files = {name: path for name in ("mesh", "materials_file") if (path := getattr(settings, name)) is not None}
     names = {name: Path(file_name(path)) for name, path in files.items()}
     digests = {name: file_digest(path) for name, path in files.items()}
+    if settings.materials_file is not None:
+        beside = named_files(settings.materials_file)
+        # One that is missing is named when the materials are read.
+        digests |= {f"materials_file/{name}": file_digest(path) for name, path in beside.items() if path.is_file()}
     return with_sensor_resolved(settings).model_copy(update={**names, "digests": digests})
 
 

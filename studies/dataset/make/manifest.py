@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from materials.input_error import InputError
-from materials.user_materials import UserMeasured
+from materials.user_entries import UserMeasured
 from render.labels.causes import LEGEND, Cause
 from studies.base.atomic_file import file_digest, write_atomically
 from studies.base.case_folder import canonical_json, case_digest
