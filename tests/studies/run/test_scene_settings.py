@@ -5,7 +5,9 @@ import json
 import pytest
 
 from franbv.parameters import Parameters
+from materials.bands import in_band
 from materials.input_error import InputError
+from materials.lights import Band
 from render.sensor import SensorSettings
 from studies.base.case_folder import case_digest
 from studies.run.reconstruct import ReconstructSettings, resolved_run
@@ -29,6 +31,22 @@ def test_a_case_is_named_by_a_preset_s_content(tmp_path):
     assert case_digest("frame", resolved(subject(paths[0]))) != digests[0]
     paths[0].write_text(json.dumps({"param-secondpeakdelta": 500, "controls-laserpower": 299}))
     assert case_digest("frame", resolved(subject(paths[0]))) != digests[0]
+
+
+def test_a_case_is_named_by_what_the_files_of_its_materials_hold(tmp_path):
+    """A spectrum beside the material file decides the result as much as the file itself: with another content the case
+    is another one. A file without others is named as before, by itself alone."""
+    spectrum, materials = tmp_path / "paint.csv", tmp_path / "m.yaml"
+    materials.write_text("materials: {paint: {kind: matte, reflectance: 0.4, source: s, spectrum: paint.csv}}")
+    settings = SubjectSettings(part="plate", material=("paint",), materials_file=materials)
+    digests = []
+    for value in (0.3, 0.4):
+        spectrum.write_text(f"400,{value}\n850,0.4\n")
+        digests.append(case_digest("frame", resolved(settings)))
+    assert digests[0] != digests[1]
+    assert in_band(build_subject(settings).scene.bodies[0].material, Band.WHITE_LED).reflectance == pytest.approx(0.4)
+    materials.write_text("materials: {paint: {kind: matte, reflectance: 0.4, source: s}}")
+    assert set(resolved(settings).digests) == {"materials_file"}
 
 
 def test_what_a_preset_says_in_vain_is_said(tmp_path):
