@@ -35,7 +35,8 @@ HEIGHTS = (
     (0.150, 0.400),  # ground: 0.1-1.6 um (ASME B46.1, production methods), its geometric mean
     (0.280, 0.450),  # brushed: 2J, 0.2-1.0 um (Stainless International), its geometric mean
 )
-"""Roughness Ra of finishes of known alpha. Above 0.15 um nothing coherent is left: the first three decide."""
+"""Roughness Ra of finishes of known alpha. Above 0.15 um nothing coherent is left: the first three decide, and what is
+rougher than brushed (blasted: some micrometres, more than the proportion gives) matters no more."""
 
 
 def surface_height(alpha: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
