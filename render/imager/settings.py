@@ -80,7 +80,8 @@ class ImagerSettings(BaseModel):
     """Width b of the stray light on the chip [um], half of which stays within sqrt(3) b of where it belongs (choice: an
     eighth of the chip's width, so that it fogs the whole image, more so near bright things)."""
     band_pass: BandPass | None = None
-    """A filter before both lenses; None as in the camera, which has none (D400 datasheet)."""
+    """A filter before both lenses; None as in the camera, which has none (D400 datasheet). On the command line it takes
+    a YAML file to put one there."""
     vignetting_exponent: float = Field(default=4.0, ge=0.0)
     """Irradiance falls with cos(field angle) to this power (natural vignetting of a rectilinear lens)."""
     laser_modes: float = Field(default=10.0, ge=1.0)

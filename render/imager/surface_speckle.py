@@ -56,14 +56,16 @@ def specular_share(
     to_imager: Float32[np.ndarray, "p 3"],
     normal: Float32[np.ndarray, "p 3"],
     alpha: Float32[np.ndarray, "p"],
+    height: Float32[np.ndarray, "p"],
 ) -> Float32[np.ndarray, "p"]:
     """Share of the projector's light that reaches the imager coherently from points of glossy surfaces [0, 1].
 
-    to_projector, to_imager, normal: unit vectors at the points; alpha: GGX roughness across the lay.
+    to_projector, to_imager, normal: unit vectors at the points; alpha: GGX roughness across the lay; height: what
+    `surface_height` makes of it [m].
     """
     half = to_projector + to_imager
     length = np.linalg.norm(half, axis=1)
     cosine = np.einsum("pk,pk->p", to_projector, half) / length
     across = np.clip(np.einsum("pk,pk->p", normal, half) / length, 1e-3, 1)
     core = np.exp(-(1 / across**2 - 1) / alpha**2)
-    return (coherent_share(surface_height(alpha), cosine) * core).astype(np.float32)
+    return (coherent_share(height, cosine) * core).astype(np.float32)

@@ -1,9 +1,11 @@
 """What the pixels of an imager see of a scene, as its optics and the laser's speckle need it: depth and smoothness."""
 
 from collections.abc import Sequence
+from typing import no_type_check
 
+import numba
 import numpy as np
-from jaxtyping import Float, Float32
+from jaxtyping import Float, Float32, UInt8
 from scipy.spatial.transform import RigidTransform
 
 from materials.coat import seen_reflectance
@@ -27,19 +29,20 @@ def seen_surfaces(
     """What an imager's optics see. materials: of the scene's bodies; projector: its place in the world [m]."""
     axis = T_world_imager.rotation.as_matrix()[:, 2].astype(np.float32)
     eye = T_world_imager.translation.astype(np.float32)
-    depth = surface.position @ axis - axis @ eye
-    inverse_depth = np.where(surface.body == NO_BODY, np.float32(0), 1 / np.maximum(depth, np.float32(1e-3)))
+    inverse_depth = np.zeros(surface.body.shape, np.float32)
+    _invert_depths(surface.body, surface.position, eye, axis, inverse_depth)
     alpha, gloss = np.ones(NO_BODY + 1, np.float32), np.zeros(NO_BODY + 1, np.float32)
     for body, material in enumerate(materials):
         alpha[body], gloss[body] = glossy_part(material)
-    share = np.zeros(depth.shape, np.float32)
-    smooth = (gloss > 0)[surface.body]
-    if smooth.any():
-        points, body = surface.position[smooth], surface.body[smooth]
+    height = surface_height(alpha).astype(np.float32)
+    share = np.zeros(surface.body.size, np.float32)
+    smooth = np.flatnonzero(np.take(gloss > 0, surface.body))
+    if len(smooth):
+        points, normal = (np.take(a.reshape(-1, 3), smooth, axis=0) for a in (surface.position, surface.normal))
         to_projector, to_imager = (_directions(points, place) for place in (projector.astype(np.float32), eye))
-        normal = surface.normal[smooth]
-        share[smooth] = gloss[body] * specular_share(to_projector, to_imager, normal, alpha[body])
-    return SeenSurfaces(inverse_depth, share)
+        body = np.take(surface.body, smooth)
+        share[smooth] = gloss[body] * specular_share(to_projector, to_imager, normal, alpha[body], height[body])
+    return SeenSurfaces(inverse_depth, share.reshape(surface.body.shape))
 
 
 def glossy_part(material: Material) -> tuple[float, float]:
@@ -59,6 +62,25 @@ def glossy_part(material: Material) -> tuple[float, float]:
         return 1.0, 0.0
     kept = coherent_share(surface_height(np.array([alpha])), np.ones(1))[0]
     return alpha, gloss if kept > LEAST_SHARE else 0.0
+
+
+@no_type_check
+@numba.njit(nogil=True, cache=True)
+def _invert_depths(
+    body: UInt8[np.ndarray, "h w"],
+    position: Float32[np.ndarray, "h w 3"],
+    eye: Float32[np.ndarray, "3"],
+    axis: Float32[np.ndarray, "3"],
+    out: Float32[np.ndarray, "h w"],
+) -> None:
+    """One over the way along the optical axis, where there is anything."""
+    for v in range(out.shape[0]):
+        for u in range(out.shape[1]):
+            if body[v, u] != NO_BODY:
+                depth = np.float32(0)
+                for k in range(3):
+                    depth += (position[v, u, k] - eye[k]) * axis[k]
+                out[v, u] = np.float32(1) / depth
 
 
 def _directions(points: Float32[np.ndarray, "p 3"], place: Float32[np.ndarray, "3"]) -> Float32[np.ndarray, "p 3"]:

@@ -38,7 +38,8 @@ def test_limits_of_the_share_in_the_mirror_direction():
     direction = np.array([[0.5, 0.0, np.sqrt(0.75)]], np.float32)
     mirrored = direction * np.array([-1, 1, 1], np.float32)
     up = np.array([[0, 0, 1]], np.float32)
-    shares = [specular_share(direction, mirrored, up, np.array([a], np.float32))[0] for a in (1e-3, 0.01, 0.03, 0.15)]
+    alphas = np.array([[1e-3], [0.01], [0.03], [0.15]], np.float32)
+    shares = [specular_share(direction, mirrored, up, a, surface_height(a).astype(np.float32))[0] for a in alphas]
     assert shares[0] == pytest.approx(1, abs=0.005)
     assert shares[0] > shares[1] > shares[2] > shares[3]
     assert shares[3] < 1e-6
@@ -51,8 +52,9 @@ def test_off_the_highlight_every_surface_speckles():
     for alpha in (0.01, 0.03, 0.07):
         tilts = alpha * np.array([0.0, 1.0, 2.0])
         half = np.stack([np.sin(np.arctan(tilts)), 0 * tilts, np.cos(np.arctan(tilts))], axis=1).astype(np.float32)
-        one, kept = np.full(3, alpha, np.float32), coherent_share(surface_height(np.array([alpha])), np.ones(1))
-        shares = specular_share(half, half, np.repeat(up, 3, axis=0), one)
+        one, height = np.full(3, alpha, np.float32), surface_height(np.array([alpha]))
+        shares = specular_share(half, half, np.repeat(up, 3, axis=0), one, np.full(3, height[0], np.float32))
+        kept = coherent_share(height, np.ones(1))
         np.testing.assert_allclose(shares, kept * np.exp(-np.array([0.0, 1.0, 4.0])), rtol=1e-2)
 
 
