@@ -52,8 +52,8 @@ class SensorSettings(BaseModel):
     """Stereo matcher: like the D4 chip, or OpenCV's StereoSGBM."""
     dot_fwhm_px: float | None = Field(default=None, ge=3.2, le=8.0)
     """Width of the projector's dots at half their height, in the model's 1280x720 images [px]; other streams scale it.
-    None: 4.8 px, the D415's in proportion to their distance. Real D435 frames have 3.7 to 5 px. A point in focus is
-    2.1 px wide (D415: 2.8 px), and dots 12 px apart would merge above the range."""
+    None: 4.8 px, the D415's in proportion to their distance: 3.8. Real D435 frames have 3.7 to 5 px. A point in focus
+    is 2.1 px wide (D415: 2.8 px), and dots 12 px apart would merge above the range."""
     row_misalignment_px: float = Field(default=0.0, ge=-2.0, le=2.0)
     """How much lower than the left image the right one lies after rectification, in pixels of the stream; 0 =
     calibrated without error (choice). Users see such an offset in a D435's rectified images (librealsense issue 2112,
