@@ -8,18 +8,21 @@ import hashlib
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float32, UInt8, UInt16
+from jaxtyping import Bool, Float32, UInt8, UInt16
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
 from franbv.sensing import DepthBurst
+from materials.input_error import InputError
 from render.depth.coding import metres_from_z16, z16_from_disparity
 from render.depth.decimation import block_centre_intrinsics, crop_centre, decimate
+from render.imager.band_pass import BandPass
 from render.imager.expose import expose_burst
 from render.imager.exposure import auto_exposure
+from render.imager.seen_surfaces import SeenSurfaces
 from render.imager.settings import REFERENCE_LASER_POWER_MW, ImagerSettings
 from render.light.first_surface import StereoView
-from render.light.pattern import PROJECTORS, dot_pattern
+from render.light.pattern import dot_pattern, projector_dots
 from render.light.projector import ProjectorLight
 from render.light.radiance import RadianceLayers, render_stereo, stop_at_first_surface
 from render.light.sampling import Sampling
@@ -27,8 +30,19 @@ from render.matcher.interface import StereoMatcher, Window
 from render.sensor import SensorSettings
 from render.world.mitsuba_scene import load_scene
 from render.world.rig import Rig
+from render.world.seen_surfaces import seen_surfaces
 from render.world.truth import Truth, measure_truth
 from scenes.scene import Scene
+
+
+def lamp_share_through(band_pass: BandPass | None, scene: Scene) -> float:
+    """Share of the electrons of a scene's lamps and surroundings that a filter lets through; 1 without a filter.
+
+    InputError where there is other light than the projector's: the spectra of lamps are not known here.
+    """
+    if band_pass is None or not (scene.lamps or scene.ambient_radiance):
+        return 1.0
+    raise InputError("imager.band_pass: what it leaves of lamps is not known; take the lamps away, or the filter")
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +79,8 @@ class SimulatedD435i:
     and speckle depend on the seed and the pose alone, so a pose gives the same frames whatever was measured before, and
     the first frames of a longer burst are those of a shorter one.
 
-    Camera and scene stand still, the pose is exact and the pair perfectly rectified. Left out: the colour imager, the
+    Camera and scene stand still and the pose is exact; the pair is perfectly rectified but for
+    `SensorSettings.row_misalignment_px`. Left out: the colour imager, the
     inertial unit, librealsense's filters but decimation, and what `render.imager.expose` and `render.light.paths` name.
     Raises BackendError where nothing can render, InputError for settings or a scene that it cannot take.
     """
@@ -88,7 +103,8 @@ class SimulatedD435i:
         self._seed = seed
         self._sampling = sampling or Sampling()
         self._view: dict[bytes, StereoView] = {}
-        self._dots = PROJECTORS[self.settings.model]
+        self._seen: tuple[StereoView, Scene, tuple[SeenSurfaces, SeenSurfaces]] | None = None
+        self._dots = projector_dots(self.settings.model, self.settings.dot_fwhm_px)
         self._light = ProjectorLight.at(RigidTransform.identity(), dot_pattern(self._dots), 0.0)
 
     @property
@@ -147,20 +163,54 @@ class SimulatedD435i:
         self, T_world_cam: RigidTransform, left: RadianceLayers, right: RadianceLayers, n_frames: int
     ) -> Measurement:
         """Measure from rendered layers; laser power, lamps, exposure and noise change without a new rendering."""
-        imager = self.settings.imager
+        imager, seen = self.settings.imager, self.seen(T_world_cam)
         if self.settings.auto_exposure:
-            exposure_us, gain = auto_exposure(left.projector, left.ambient, imager, chip=self.rig.chip)
-            imager = imager.model_copy(update={"exposure_us": exposure_us, "gain": gain})
-        seeds = self._pose_seed(T_world_cam).spawn(2)
+            imager = self.auto_exposed(T_world_cam, left, imager)
+        lamp_share = lamp_share_through(imager.band_pass, self.world.source)
         lefts, rights = (
-            expose_burst(layers.projector, layers.ambient, imager, n_frames, seed, self.rig.chip)
-            for layers, seed in zip((left, right), seeds, strict=True)
+            expose_burst(
+                layers.projector, layers.ambient, imager, n_frames, seed, self.rig.chip, surfaces, lamp_share, rows_down
+            )
+            for layers, seed, surfaces, rows_down in zip(
+                (left, right),
+                self._pose_seed(T_world_cam).spawn(2),
+                seen,
+                (0.0, self.settings.row_misalignment_px),
+                strict=True,
+            )
         )
         disparities = self._matcher.match_burst(lefts, rights, self.window, self._search_start)
         z16 = z16_from_disparity(disparities, self.rig.focal_baseline, self.settings.depth)
         burst = DepthBurst(metres_from_z16(self.reduced(z16), self.settings.depth), self.intrinsics, T_world_cam)
         depths = metres_from_z16(z16, self.settings.depth)
         return Measurement(T_world_cam, left, right, imager, lefts, rights, z16, depths, burst)
+
+    def auto_exposed(
+        self,
+        T_world_cam: RigidTransform,
+        left: RadianceLayers,
+        imager: ImagerSettings,
+        pixels: Bool[np.ndarray, "h w"] | None = None,
+    ) -> ImagerSettings:
+        """The imager with the exposure and gain that suit the left image; pixels: see `auto_exposure`."""
+        lamp_share = lamp_share_through(imager.band_pass, self.world.source)
+        exposure_us, gain = auto_exposure(
+            left.projector, left.ambient, imager, pixels, self.rig.chip, self.seen(T_world_cam)[0], lamp_share
+        )
+        return imager.model_copy(update={"exposure_us": exposure_us, "gain": gain})
+
+    def seen(self, T_world_cam: RigidTransform) -> tuple[SeenSurfaces, SeenSurfaces]:
+        """What optics and speckle need to know of what each imager sees; kept until pose, scene or geometry changes."""
+        view = self.view(T_world_cam)
+        if self._seen is None or self._seen[0] is not view or self._seen[1] is not self.world.source:
+            materials = [body.material for body in self.world.source.bodies]
+            projector = self.rig.projector(T_world_cam).translation
+            left, right = (
+                seen_surfaces(first.surface, materials, first.T_world_imager, projector)
+                for first in (view.left, view.right)
+            )
+            self._seen = view, self.world.source, (left, right)
+        return self._seen[2]
 
     def truth(self, T_world_cam: RigidTransform) -> Truth:
         """Exact maps at full resolution."""

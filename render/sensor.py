@@ -25,7 +25,7 @@ class SensorSettings(BaseModel):
 
     Unknown keys and numbers out of range raise pydantic's ValidationError, a profile that the camera lacks and a preset
     file that cannot be read InputError when the camera is made. Not to be set: baseline and projector
-    (`render.world.rig`), and the dot pattern (`render.light.pattern`).
+    (`render.world.rig`), and where the dots are (`render.light.pattern`).
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -50,6 +50,14 @@ class SensorSettings(BaseModel):
     """Width and height of the middle part that is kept after decimation; None = all (paper: 60 x 40)."""
     matcher: MatcherName = "d4"
     """Stereo matcher: like the D4 chip, or OpenCV's StereoSGBM."""
+    dot_fwhm_px: float | None = Field(default=None, ge=3.2, le=8.0)
+    """Width of the projector's dots at half their height, in the model's 1280x720 images [px]; other streams scale it.
+    None: 4.8 px, the D415's in proportion to their distance: 3.8. Real D435 frames have 3.7 to 5 px. A point in focus
+    is 2.1 px wide (D415: 2.8 px), and dots 12 px apart would merge above the range."""
+    row_misalignment_px: float = Field(default=0.0, ge=-2.0, le=2.0)
+    """How much lower than the left image the right one lies after rectification, in pixels of the stream; 0 =
+    calibrated without error (choice). Users see such an offset in a D435's rectified images (librealsense issue 2112,
+    without a number); another maker passes up to 0.5 px of it in its factory (luxonis/depthai issue 646)."""
     imager: ImagerSettings = ImagerSettings()
     """Exposure, noise and optics of both imagers."""
     auto_exposure: bool = True

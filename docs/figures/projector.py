@@ -38,6 +38,12 @@ def main() -> None:
         ):
             found = dot_statistics(image, middle_of_field(image.shape), wall.focal_px)
             print(line(f"{profile}, {exposure}", found))
+    print("width by the setting dot_fwhm_px, 1280x720:")
+    for fwhm in (3.7, 4.4, 4.8, 5.0, 6.0):
+        wall = lit_wall(DISTANCE, dot_fwhm_px=fwhm)
+        image = wall.image_without_white(lamp_irradiance(ROOM_LIGHT))
+        found = dot_statistics(image, middle_of_field(image.shape), wall.focal_px)
+        print(f"  {fwhm:.1f} px: {found.width[1]:.2f} px, peak over background {found.peak_over_background:.2f}")
     print("peak over background by lamps and distance, 1280x720:")
     for distance in (0.3, 0.44, 0.6, 1.0):
         wall, cells = lit_wall(distance), []

@@ -15,6 +15,8 @@ from scipy.special import ndtri
 from render.imager.chip import OV9282, Chip
 from render.imager.exposure import grey_noise, mean_electrons, mean_grey
 from render.imager.lens import MIX_FAR, MIX_NEAR
+from render.imager.row_shift import rows_shifted
+from render.imager.seen_surfaces import SeenSurfaces
 from render.imager.settings import ImagerSettings
 from render.imager.speckle import speckle
 
@@ -31,7 +33,7 @@ def expose(
     chip: Chip = OV9282,
 ) -> UInt8[np.ndarray, "h w"]:
     """One infrared image [DN]; see `expose_burst` for the layers."""
-    mean, noise = _expectation(projector, ambient, settings, rng, chip)
+    mean, noise = _expectation(mean_electrons(projector, ambient, settings, chip), None, settings, rng, chip)
     return _read_frames(mean, noise, 1, rng)[0]
 
 
@@ -42,6 +44,9 @@ def expose_burst(
     n: int,
     seed: int | np.random.SeedSequence,
     chip: Chip = OV9282,
+    seen: SeenSurfaces | None = None,
+    lamp_share: float = 1.0,
+    rows_down: float = 0.0,
 ) -> UInt8[np.ndarray, "n h w"]:
     """`n` infrared images of a still scene from a still camera [DN].
 
@@ -49,23 +54,31 @@ def expose_burst(
     a laser power of 150 mW, which `settings.laser_power_mw` scales.
     seed: of this pose *and imager*. Its speckle is the same in all frames; the noise is drawn anew for each. The first
     frames of a longer burst are those of a shorter one, and nothing depends on threads or workers.
+    seen, lamp_share: as in `mean_electrons`. rows_down: how much lower than it ought to be the image lies [px].
     """
-    mean, noise = _expectation(projector, ambient, settings, _generator(seed, _SPECKLE_STREAM), chip)
+    electrons = mean_electrons(projector, ambient, settings, chip, seen, lamp_share)
+    if rows_down:
+        electrons = tuple(rows_shifted(layer, rows_down) for layer in electrons)
+    specular = None if seen is None else seen.specular_share
+    mean, noise = _expectation(electrons, specular, settings, _generator(seed, _SPECKLE_STREAM), chip)
     return _read_frames(mean, noise, n, _generator(seed, _NOISE_STREAM))
 
 
 def _expectation(
-    projector: Float32[np.ndarray, "h w"],
-    ambient: Float32[np.ndarray, "h w"],
+    electrons: tuple[Float32[np.ndarray, "h w"], ...],
+    specular_share: Float32[np.ndarray, "h w"] | None,
     settings: ImagerSettings,
     rng: np.random.Generator,
     chip: Chip,
 ) -> tuple[Float32[np.ndarray, "h w"], Float32[np.ndarray, "h w"]]:
-    """Mean and, before rectification, standard deviation of the grey values with one draw of the speckle [DN]."""
-    from_projector, from_ambient = mean_electrons(projector, ambient, settings, chip)
-    height, width = projector.shape
-    electrons = from_projector * speckle(height, width, settings, rng, chip) + from_ambient
-    return mean_grey(electrons, settings), grey_noise(electrons, settings, chip)
+    """Mean and, before rectification, standard deviation of the grey values with one draw of the speckle [DN].
+
+    electrons: from the projector and from all other light.
+    """
+    from_projector, from_ambient = electrons
+    height, width = from_projector.shape
+    total = from_projector * speckle(height, width, settings, rng, chip, specular_share) + from_ambient
+    return mean_grey(total, settings), grey_noise(total, settings, chip)
 
 
 def _generator(seed: int | np.random.SeedSequence, stream: int) -> np.random.Generator:

@@ -9,7 +9,9 @@ from jaxtyping import Bool, Float32
 from scipy.optimize import brentq
 
 from render.imager.chip import OV9282, Chip
-from render.imager.lens import through_lens
+from render.imager.defocus import disc_map
+from render.imager.lens import projector_through, through_lens
+from render.imager.seen_surfaces import SeenSurfaces
 from render.imager.settings import (
     LEAST_GAIN,
     MOST_GAIN,
@@ -44,17 +46,25 @@ def mean_electrons(
     ambient: Float32[np.ndarray, "h w"],
     settings: ImagerSettings,
     chip: Chip = OV9282,
+    seen: SeenSurfaces | None = None,
+    lamp_share: float = 1.0,
 ) -> tuple[Float32[np.ndarray, "h w"], Float32[np.ndarray, "h w"]]:
     """Expected electrons of each native pixel from the projector and from all other light, before saturation.
 
     projector, ambient: radiance towards one imager [W m^-2 sr^-1], full stream image; the projector's at 150 mW.
+    seen: what the pixels see; None: rough surfaces in focus. lamp_share: share of the lamps' electrons that
+    `settings.band_pass` lets through, which depends on their spectra.
     """
     laser = settings.laser_power_mw / REFERENCE_LASER_POWER_MW
     from_projector = laser * electrons_per_radiance(settings.laser_on_us, settings, chip)
-    from_ambient = electrons_per_radiance(settings.exposure_us, settings, chip)
+    from_ambient = lamp_share * electrons_per_radiance(settings.exposure_us, settings, chip)
+    if settings.band_pass is not None:
+        height, width = projector.shape
+        projector = projector * projector_through(settings.band_pass, height, width, chip)
+    discs = None if seen is None else disc_map(seen.inverse_depth, settings, chip)
     return (
-        np.float32(from_projector) * through_lens(projector, settings, chip),
-        np.float32(from_ambient) * through_lens(ambient, settings, chip),
+        np.float32(from_projector) * through_lens(projector, settings, chip, discs),
+        np.float32(from_ambient) * through_lens(ambient, settings, chip, discs),
     )
 
 
@@ -80,16 +90,18 @@ def auto_exposure(
     settings: ImagerSettings,
     pixels: Bool[np.ndarray, "h w"] | None = None,
     chip: Chip = OV9282,
+    seen: SeenSurfaces | None = None,
+    lamp_share: float = 1.0,
 ) -> tuple[float, float]:
     """Exposure time [us] and gain, both whole numbers, at which the mean grey value of `pixels` meets the set-point.
 
     Gain stays at 16 until the exposure has reached its limit of 33 ms; what is too bright or too dark for both ends at
-    their limits. projector, ambient: as in `mean_electrons`, of the left imager. pixels: None = the image's middle.
+    their limits. All but pixels as in `mean_electrons`, of the left imager. pixels: None = the image's middle.
     """
     sample = _middle(*projector.shape) if pixels is None else pixels
     unit = settings.model_copy(update={"exposure_us": 1.0, "laser_pulse_us": None})
     laser_rate, ambient_rate = (
-        np.atleast_2d(layer[sample]) for layer in mean_electrons(projector, ambient, unit, chip)
+        np.atleast_2d(layer[sample]) for layer in mean_electrons(projector, ambient, unit, chip, seen, lamp_share)
     )
 
     def excess(exposure_us: float, gain: float) -> float:

@@ -1,4 +1,4 @@
-"""What lens and rectification do to an image: blur, natural vignetting, and the mixing of neighbouring pixels."""
+"""What lens and rectification do to an image: filter, blur, vignetting, glare, and mixing of neighbouring pixels."""
 
 from functools import lru_cache
 
@@ -7,8 +7,11 @@ import numpy as np
 from jaxtyping import Float32, Float64
 from scipy.special import ive
 
+from render.imager.band_pass import BandPass
 from render.imager.chip import OV9282, Chip
-from render.imager.settings import ImagerSettings
+from render.imager.defocus import DiscMap, defocused
+from render.imager.glare import with_glare
+from render.imager.settings import WAVELENGTH, ImagerSettings
 
 MIX_NEAR = (1 + 1 / np.sqrt(3)) / 2
 """Weight of the nearer of two neighbours in the mean rectification; see `MIX_FAR`."""
@@ -24,7 +27,7 @@ _KERNEL_REACH = 4.0
 
 
 def blur_sigma_px(width: int, settings: ImagerSettings, chip: Chip = OV9282) -> float:
-    """Standard deviation of the point spread of lens and rectification, in pixels of a stream of this width.
+    """Standard deviation of the point spread of lens and rectification in focus, in pixels of a stream of this width.
 
     0.55 px at 640 x 360 (1.3 px full width at half maximum); the pixel's own aperture is the renderer's box filter.
     """
@@ -32,29 +35,43 @@ def blur_sigma_px(width: int, settings: ImagerSettings, chip: Chip = OV9282) -> 
     return float(np.sqrt(lens**2 + RECTIFICATION_VARIANCE))
 
 
-@lru_cache(maxsize=8)
-def vignetting(height: int, width: int, exponent: float, chip: Chip = OV9282) -> Float32[np.ndarray, "h w"]:
-    """Irradiance relative to the optical axis, cos(field angle)^exponent; the axis meets the image centre."""
+def _tan_squared(height: int, width: int, chip: Chip) -> Float64[np.ndarray, "h w"]:
+    """Squared tangent of each pixel's field angle; the axis meets the image centre."""
     scale = chip.pitch(width) / chip.focal_length
     x = (np.arange(width) - (width - 1) / 2) * scale
     y = (np.arange(height) - (height - 1) / 2) * scale
-    tan_squared = x[None, :] ** 2 + y[:, None] ** 2
-    share = ((1 + tan_squared) ** (-exponent / 2)).astype(np.float32)
+    return x[None, :] ** 2 + y[:, None] ** 2
+
+
+@lru_cache(maxsize=8)
+def vignetting(height: int, width: int, exponent: float, chip: Chip = OV9282) -> Float32[np.ndarray, "h w"]:
+    """Irradiance relative to the optical axis, cos(field angle)^exponent; the axis meets the image centre."""
+    share = ((1 + _tan_squared(height, width, chip)) ** (-exponent / 2)).astype(np.float32)
     share.setflags(write=False)
     return share
 
 
-def through_lens(
-    radiance: Float32[np.ndarray, "h w"], settings: ImagerSettings, chip: Chip = OV9282
-) -> Float32[np.ndarray, "h w"]:
-    """Radiance of the full stream image, blurred and vignetted, same unit. Applied before saturation.
+def projector_through(band_pass: BandPass, height: int, width: int, chip: Chip = OV9282) -> Float32[np.ndarray, "h w"]:
+    """Share of the projector's light that passes a filter towards each pixel [0, 1]."""
+    tan_squared = _tan_squared(height, width, chip)
+    sine = np.sqrt(tan_squared / (1 + tan_squared))
+    return band_pass.transmission(np.full_like(sine, WAVELENGTH * 1e9), sine).astype(np.float32)
 
-    The rectification blurs after saturation in a camera: only the rim of saturated areas notices.
+
+def through_lens(
+    radiance: Float32[np.ndarray, "h w"], settings: ImagerSettings, chip: Chip = OV9282, discs: DiscMap | None = None
+) -> Float32[np.ndarray, "h w"]:
+    """Radiance of the full stream image, blurred, vignetted and under glare, same unit. Applied before saturation.
+
+    discs: the defocus of each pixel; None: all in focus. The rectification blurs after saturation in a camera: only the
+    rim of saturated areas notices.
     """
     height, width = radiance.shape
     kernel = _gaussian_kernel(blur_sigma_px(width, settings, chip))
     blurred = cv2.sepFilter2D(radiance, cv2.CV_32F, kernel, kernel, borderType=cv2.BORDER_REPLICATE)
-    return blurred * vignetting(height, width, settings.vignetting_exponent, chip)
+    if discs is not None:
+        blurred = defocused(blurred, discs)
+    return with_glare(blurred * vignetting(height, width, settings.vignetting_exponent, chip), settings, chip)
 
 
 def _gaussian_kernel(sigma: float) -> Float64[np.ndarray, "k"]:

@@ -7,6 +7,8 @@ the sensor: in 8.5 ms 2,730 photons or 1,040 electrons on one 3 um pixel, about 
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from render.imager.band_pass import BandPass
+
 WAVELENGTH = 850e-9
 """Of the projector [m] (D400 datasheet: 850 +- 10 nm)."""
 LEAST_GAIN = 16.0
@@ -63,9 +65,23 @@ class ImagerSettings(BaseModel):
     """Mean that auto-exposure aims at [DN]: 1536 in the D435's default preset, read as 12 bits since librealsense
     states no unit. A real D435 frame averages 100 DN over its middle 80 %."""
     lens_sigma_um: float = Field(default=2.25, ge=0.0)
-    """Standard deviation of the lens's Gaussian point spread [um]. Choice: contrast 0.5 at half the native Nyquist
-    frequency; with pixel and rectification it gives edges of 0.70 px at 848x480, the sharpest in a real frame are
-    0.72-0.77 px."""
+    """Standard deviation of the lens's Gaussian point spread in focus [um]. Choice: contrast 0.5 at half the native
+    Nyquist frequency; with pixel and rectification it gives edges of 0.70 px at 848x480, the sharpest in a real frame
+    are 0.72-0.77 px."""
+    focus_distance: float | None = Field(default=None, gt=0.0, le=1000.0)
+    """Distance at which the fixed lenses are focused [m]; None: the hyperfocal distance of one native pixel, f^2 / (N
+    p) = 0.62 m (D415: 1.27 m). Choice: Intel publishes none. From there on all things farther than half of it, 0.31 m,
+    are sharp to a pixel, and Intel has the D435's ideal range begin at 0.3 m."""
+    veiling_glare: float = Field(default=0.02, ge=0.0, lt=1.0)
+    """Share of the light that lens and cover glass spread wide over the image [-]: the veiling glare index that ISO
+    9358 measures. Choice: ten surfaces of a module's five lenses that send back 1 % each, far from the visible light
+    that their coating is for, before a chip that reflects a fifth."""
+    glare_width_um: float = Field(default=500.0, gt=0.0)
+    """Width b of the stray light on the chip [um], half of which stays within sqrt(3) b of where it belongs (choice: an
+    eighth of the chip's width, so that it fogs the whole image, more so near bright things)."""
+    band_pass: BandPass | None = None
+    """A filter before both lenses; None as in the camera, which has none (D400 datasheet). On the command line it takes
+    a YAML file to put one there."""
     vignetting_exponent: float = Field(default=4.0, ge=0.0)
     """Irradiance falls with cos(field angle) to this power (natural vignetting of a rectilinear lens)."""
     laser_modes: float = Field(default=10.0, ge=1.0)
@@ -74,7 +90,9 @@ class ImagerSettings(BaseModel):
     laser_linewidth_nm: float = Field(default=1.0, ge=0.0)
     """Full width at half maximum of the projector's spectrum [nm] (typical of multimode VCSELs)."""
     surface_height_um: float = Field(default=3.0, ge=0.0)
-    """Standard deviation of the surface heights inside one resolved spot [um] (choice: a machined metal surface)."""
+    """Standard deviation of the heights of rough surfaces inside one resolved spot [um] (choice: a machined metal
+    surface); with it the spectrum's width blurs speckle. How smooth ones lose theirs, `render.imager.surface_speckle`
+    says."""
 
     @property
     def dn_per_electron(self) -> float:

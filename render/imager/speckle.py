@@ -21,16 +21,17 @@ _NODES = 48
 
 
 @lru_cache
-def aperture_degrees(pitch: float, f_number: float) -> float:
+def aperture_degrees(pitch: float, f_number: float, power: int = 2) -> float:
     """Independent speckle grains that one square pixel of this pitch [m] sums up.
 
-    M = 1 / integral over the pixel's autocorrelation of |mu|^2, with mu = 2 J1(z) / z, z = pi r / (lambda N), of a
-    circular pupil. A grain measures about lambda N = 1.7 um: M = 4.3 for 3 um, 13.3 for 6 um.
+    M = 1 / integral over the pixel's autocorrelation of mu^power, with mu = 2 J1(z) / z, z = pi r / (lambda N), of a
+    circular pupil. A grain measures about lambda N = 1.7 um: M = 4.3 for 3 um, 13.3 for 6 um. power: 2 for scattered
+    light alone; 1 for its interference with coherent light, whose grains are larger.
     """
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     x, w = (nodes + 1) / 2, weights / 2 * (1 - (nodes + 1) / 2)
     z = np.pi * pitch * np.hypot(x[:, None], x[None, :]) / (WAVELENGTH * f_number)
-    return float(1 / (4 * w @ (2 * j1(z) / z) ** 2 @ w))
+    return float(1 / (4 * w @ (2 * j1(z) / z) ** power @ w))
 
 
 def bandwidth_degrees(linewidth: float, height: float) -> float:
@@ -62,13 +63,35 @@ def speckle_contrast(width: int, settings: ImagerSettings, chip: Chip = OV9282) 
     return float(np.sqrt(MIXED_VARIANCE / degrees_of_freedom(width, settings, chip)))
 
 
+def contrast_kept(
+    specular_share: Float32[np.ndarray, "*n"], width: int, settings: ImagerSettings, chip: Chip = OV9282
+) -> Float32[np.ndarray, "*n"]:
+    """Speckle contrast where a share s of the light is coherent, relative to where none is: 0 at s = 1.
+
+    Of a constant and a circular Gaussian field the intensity varies by (1 - s)^2 / M + 2 s (1 - s) / M' of its squared
+    mean (Goodman, chapter 3), M and M' as pixels average the scattered light and its interference with the constant.
+    """
+    pitch, s = chip.pitch(width), specular_share
+    ratio = aperture_degrees(pitch, settings.f_number) / aperture_degrees(pitch, settings.f_number, 1)
+    return np.sqrt((1 - s) ** 2 + np.float32(2 * ratio) * s * (1 - s))
+
+
 def speckle(
-    height: int, width: int, settings: ImagerSettings, rng: np.random.Generator, chip: Chip = OV9282
+    height: int,
+    width: int,
+    settings: ImagerSettings,
+    rng: np.random.Generator,
+    chip: Chip = OV9282,
+    specular_share: Float32[np.ndarray, "h w"] | None = None,
 ) -> Float32[np.ndarray, "h w"]:
     """Factor of mean 1 on the projected light of every pixel, still for a still camera.
 
     Gamma distributed before rectification. Grains are smaller than the pixels, so pixels are drawn independently.
+    specular_share: of each pixel's light, without speckle; None = 0.
     """
     degrees = degrees_of_freedom(width, settings, chip)
     drawn = rng.standard_gamma(degrees, (height + 1, width + 1), dtype=np.float32) / np.float32(degrees)
-    return mix_neighbours(drawn)
+    mixed = mix_neighbours(drawn)
+    if specular_share is None or not specular_share.any():
+        return mixed
+    return 1 + contrast_kept(specular_share, width, settings, chip) * (mixed - 1)

@@ -2,15 +2,19 @@
 
 Dots are isotropic Gaussians at the points of a saturated-minimum-distance process: uniform throws that are rejected
 within `MINIMUM_SPACING` of an earlier dot. Measured on real D435 frames at 1280x720 (f = 642 px): 4.5 dots per 1000 px,
-nearest neighbour 10.6 / 12.1 / 13.4 px (10th, 50th, 90th percentile), about 5 px wide at half their height.
+nearest neighbour 10.6 / 12.1 / 13.4 px (10th, 50th, 90th percentile), 3.7 to 5 px wide at half their height.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 from jaxtyping import Float, Float32
 from scipy.ndimage import gaussian_filter
+
+from render.imager.lens import blur_sigma_px
+from render.imager.settings import ImagerSettings
+from render.world.rig import CAMERA_MODELS
 
 FOCAL_REFERENCE_PX = 642.0
 """Focal length of the profile at which the dots were measured [px]."""
@@ -20,9 +24,33 @@ DOT_DENSITY = 4.5e-3 * FOCAL_REFERENCE_PX**2
 """Dots per unit area of the plane at unit distance (measured: 4.5 per 1000 px)."""
 MINIMUM_SPACING = 10.7 / FOCAL_REFERENCE_PX
 """Least distance of two dots; gives nearest neighbours of 10.8 / 11.8 / 13.8 px at the measured density."""
-DOT_FWHM = np.sqrt(5.0**2 - 2.6**2) / FOCAL_REFERENCE_PX
-"""Full width of a dot at half its height: 5 px in real images, less the 2.6 px by which lens, pixel and rectification
-spread a point (`render.imager.lens`)."""
+REFERENCE_STREAM = (1280, 720)
+"""Stream in whose pixels the width of a dot is given."""
+FWHM_PER_SIGMA = 2.0 * np.sqrt(2.0 * np.log(2.0))
+"""Of a Gaussian."""
+
+
+def _point_fwhm_px(model: str) -> float:
+    """Width at half height of a point in focus in the reference stream: lens, rectification and pixel."""
+    sigma = blur_sigma_px(REFERENCE_STREAM[0], ImagerSettings(), CAMERA_MODELS[model].chip.shown(*REFERENCE_STREAM))
+    return float(FWHM_PER_SIGMA * np.sqrt(sigma**2 + 1 / 12))
+
+
+def dot_width(model: str, fwhm_px: float) -> float:
+    """Full width of a dot at half its height, in the plane at unit distance, of one so wide in 1280x720 images [px].
+
+    A point of light is 2.1 px wide in them already (D415: 2.8 px), which is taken out.
+    """
+    return (
+        float(np.sqrt(fwhm_px**2 - _point_fwhm_px(model) ** 2))
+        / CAMERA_MODELS[model].focal_lengths_px[REFERENCE_STREAM]
+    )
+
+
+DOT_FWHM_PX = 4.8
+"""Full width of a D435's dot at half its height, in 1280x720 images [px]. Choice: real frames have 3.7 to 5."""
+DOT_FWHM = dot_width("d435i", DOT_FWHM_PX)
+"""The same in the plane at unit distance."""
 D415_DOTS = 10_000
 """Dots of the D415 (choice: it has two emitters, and Intel's white paper on projectors says of the D435 that it has
 fewer spots, about 5000; taken as twice as many in all)."""
@@ -39,8 +67,6 @@ BLUR_LEVELS = 8
 """Blurred copies; copy l is blurred by sigma_0 2^(l - 1), copy 0 is sharp."""
 FIELD_MARGIN = 0.5
 """Margin around the field in the blurred copies, as a share of the half field, so that blurred edges fade out."""
-FWHM_PER_SIGMA = 2.0 * np.sqrt(2.0 * np.log(2.0))
-"""Of a Gaussian."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +109,18 @@ PROJECTORS = {
     "d415": _like_d435(D415_HALF_FIELD, D415_DOTS, seed=415),
 }
 """By camera model. The D415's two emitters count as one."""
+
+
+def projector_dots(model: str, fwhm_px: float | None = None) -> ProjectorDots:
+    """The dots of a camera model's projector; fwhm_px: width in its 1280x720 images, None = as in `PROJECTORS`.
+
+    Their places and powers stay, and so does the light of each.
+    """
+    dots = PROJECTORS[model]
+    if fwhm_px is None:
+        return dots
+    width = dot_width(model, fwhm_px)
+    return replace(dots, fwhm=width, texel=dots.texel * width / dots.fwhm)
 
 
 @dataclass(frozen=True, eq=False)

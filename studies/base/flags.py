@@ -53,9 +53,11 @@ def parse(model: type[Parsed], args: list[str], prog: str, help_text: str, defau
     complaint = io.StringIO()
     try:
         with contextlib.redirect_stderr(complaint):
+            # What is a model or none at all has flags only where a file gives it; subcommands would ask for an order.
+            plain = (tyro.conf.AvoidSubcommands,)
             if default is None:
-                return tyro.cli(model, args=args, prog=prog, description=help_text)
-            return tyro.cli(model, args=args, prog=prog, description=help_text, default=default)
+                return tyro.cli(model, args=args, prog=prog, description=help_text, config=plain)
+            return tyro.cli(model, args=args, prog=prog, description=help_text, default=default, config=plain)
     except SystemExit as stop:
         if stop.code in (0, None):
             raise

@@ -56,6 +56,8 @@ class Look(Config):
     """From the subject's middle [m]."""
     seed: int
     """Of the sensor's noise and the planner."""
+    dot_fwhm_px: float | None
+    """Width of the projector's dots instead of the sensor's, in 1280x720 images [px]; None = the sensor's."""
     n_frames: int
     sensor: SensorSettings
 
@@ -107,7 +109,8 @@ class CaseConfig(Look):
     @property
     def title(self) -> str:
         """For people, short enough for a progress display."""
-        return f"{self.subject} {self.material}, {self.polar_deg:g} deg, {self.distance_m:g} m, seed {self.seed}"
+        dots = "" if self.dot_fwhm_px is None else f", dots {self.dot_fwhm_px:g} px"
+        return f"{self.subject} {self.material}, {self.polar_deg:g} deg, {self.distance_m:g} m{dots}, seed {self.seed}"
 
 
 @dataclass(frozen=True)
@@ -124,8 +127,8 @@ def sweep_cases(preset: SensitivityPreset) -> list[SweepCase]:
 
 
 def _cases(preset: SensitivityPreset, sweep: Sweep) -> Iterator[CaseConfig]:
-    views = product(sweep.subjects, sweep.specs(), sweep.distances_m, sweep.polar_deg, sweep.seeds)
-    for subject, spec, distance, polar, seed in views:
+    views = product(sweep.subjects, sweep.specs(), sweep.distances_m, sweep.polar_deg, sweep.dots_fwhm_px, sweep.seeds)
+    for subject, spec, distance, polar, dots, seed in views:
         yield CaseConfig(
             subject=subject,
             material=spec,
@@ -133,6 +136,7 @@ def _cases(preset: SensitivityPreset, sweep: Sweep) -> Iterator[CaseConfig]:
             azimuth_deg=azimuth_deg(subject, seed),
             distance_m=distance,
             seed=seed,
+            dot_fwhm_px=dots,
             lights=sweep.lights(),
             n_frames=preset.n_frames,
             sensor=preset.sensor.resolved(),
@@ -167,7 +171,8 @@ def twin_material(spec: str) -> str:
 def look_camera(look: Look, scene: Scene, light: Light, paths: int | None = None) -> SimulatedD435i:
     """The camera before the scene. paths: of a pixel that sees a glossy surface, None = the sensor's default."""
     imager = look.sensor.imager.model_copy(update={"laser_power_mw": light.laser_mw})
-    settings = look.sensor.model_copy(update={"imager": imager})
+    dots = {} if look.dot_fwhm_px is None else {"dot_fwhm_px": look.dot_fwhm_px}
+    settings = look.sensor.model_copy(update={"imager": imager, **dots})
     sampling = Sampling() if paths is None else Sampling(**plain_paths(paths))
     return SimulatedD435i(scene, settings, look.seed, sampling)
 

@@ -38,6 +38,7 @@ KEYS = (
     Column("azimuth_deg", pa.float64(), "Azimuth of the camera [deg]"),
     Column("distance_m", pa.float64(), "From the camera to the subject's middle [m]"),
     Column("seed", pa.int32(), "Sets azimuth and noise [-]"),
+    Column("dot_fwhm_px", pa.float64(), "Width of the dots in 1280x720 images, empty = the sensor's [px]"),
     Column("lamps", pa.string(), "Lamp preset"),
     Column("laser_mw", pa.float64(), "Laser power [mW]"),
     Column("main_light", pa.bool_(), "Whether detection and recovery were measured under this light"),

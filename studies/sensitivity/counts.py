@@ -42,6 +42,7 @@ def view_keys(config: CaseConfig, view: LitView) -> dict[str, Any]:
         "azimuth_deg": config.azimuth_deg,
         "distance_m": config.distance_m,
         "seed": config.seed,
+        "dot_fwhm_px": config.dot_fwhm_px,
         "lamps": view.light.lamps,
         "laser_mw": view.light.laser_mw,
         "main_light": view.light == config.lights[0],

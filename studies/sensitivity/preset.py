@@ -26,6 +26,7 @@ Degrees = Annotated[float, Field(ge=0, le=85)]
 Metres = Annotated[float, Field(ge=0.15, le=1.5)]
 Alpha = Annotated[float, Field(ge=0.005, le=1.0)]
 Milliwatts = Annotated[float, Field(ge=0, le=360)]
+DotWidth = Annotated[float, Field(ge=3.2, le=8.0)]
 Seed = Annotated[int, Field(ge=0)]
 
 
@@ -61,6 +62,9 @@ class Sweep(Config):
     """Lamp presets."""
     lasers_mw: tuple[Milliwatts, ...] = (REFERENCE_LASER_POWER_MW,)
     """Laser powers [mW]. Lights other than the first lamps with the first power are measured but not recovered."""
+    dots_fwhm_px: Annotated[tuple[DotWidth | None, ...], Field(min_length=1)] = (None,)
+    """Widths of the projector's dots at half their height, in 1280x720 images [px]; null = as the study's sensor has
+    them. Others are measured and tabulated by width, and left out of all other figures."""
     seeds: tuple[Seed, ...] = (0,)
     """Each turns the camera to another azimuth and draws other noise."""
     recovery: bool = False

@@ -56,8 +56,13 @@ def write_tables(out: Path, tables: Tables) -> None:
 
 
 def main_rows(tables: Tables) -> list[Row]:
-    """Views under the first light of their case, each once."""
-    return [row for row in _once(tables) if row["main_light"]]
+    """Views of the sensor's own dots under the first light of their case, each once."""
+    return [row for row in of_own_dots(_once(tables)) if row["main_light"]]
+
+
+def of_own_dots(rows: Iterable[Row]) -> list[Row]:
+    """Those whose dots are as wide as the study's sensor has them."""
+    return [row for row in rows if row["dot_fwhm_px"] is None]
 
 
 def _once(tables: Tables) -> list[Row]:
@@ -75,7 +80,7 @@ def study_summary(tables: Tables) -> dict[str, Any]:
     once = _once(tables)
     main = main_rows(tables)
     return {
-        "cases": len(main),
+        "cases": len({row["case"] for row in once}),
         "unexplained_share": column_share(once, "window_unexplained", "window_holes"),
         "hole_share": pooled_share(main, holes, part_pixels),
         "false_depth_share": pooled_share(main, false_depth, part_pixels),

@@ -46,12 +46,12 @@ def auto_exposed(projector: np.ndarray, ambient: np.ndarray) -> ImagerSettings:
     return ImagerSettings(exposure_us=exposure_us, gain=gain)
 
 
-def lit_wall(distance: float, profile: str = "1280x720") -> LitWall:
-    """Render the wall at `distance` [m]."""
+def lit_wall(distance: float, profile: str = "1280x720", dot_fwhm_px: float | None = None) -> LitWall:
+    """Render the wall at `distance` [m]; dot_fwhm_px: see `SensorSettings`."""
     lamp = lamp_at([-1.0, 0.0, 1.0], [distance, 0, 0], 0.4, 1.0)
     geometry = form_integral(lamp, np.array([distance, 0.0, 0.0]), np.array([-1.0, 0.0, 0.0]))
     scene = wall(distance, Matte("wall", ALBEDO), (replace(lamp, radiance=1 / geometry),))
-    camera = SimulatedD435i(scene, SensorSettings(profile=profile, crop=None))
+    camera = SimulatedD435i(scene, SensorSettings(profile=profile, crop=None, dot_fwhm_px=dot_fwhm_px))
     return LitWall(camera.render(facing_x())[0], camera.rig.intrinsics.fx)
 
 

@@ -71,12 +71,29 @@ def test_dots_stand_as_high_as_power_and_lamps_say(rendered):
 
     The projector's P spreads over 4 tan tan z^2; a share v is veil, the rest is in Gaussian dots of density n in the
     image, each P (1 - v) / n with a peak of 4 ln 2 / (pi width^2) of it. The width is that of the image, lens
-    included. The dots' powers are clipped and vary by 15 %; 5 % are left for that and for speckle.
+    included. Glare takes its share of all and lays as much of the mean over it. The dots' powers are clipped and vary
+    by 15 %; 5 % are left for that and for speckle.
     """
     mean = REFERENCE_LASER_POWER_MW * 1e-3 / (4 * HALF_FIELD[0] * HALF_FIELD[1] * DISTANCE**2)
     share = 4 * np.log(2) / (np.pi * rendered.width[1] ** 2) * REFERENCE_FOCAL_PX**2 / DOT_DENSITY
     dots, veil = mean * (1 - BACKGROUND_SHARE) * share, mean * BACKGROUND_SHARE
-    assert rendered.peak_over_background == pytest.approx(1 + dots / (lamp_irradiance(ROOM_LIGHT) + veil), rel=0.05)
+    lamps, glare = lamp_irradiance(ROOM_LIGHT), ImagerSettings().veiling_glare
+    background = (1 - glare) * (lamps + veil) + glare * (lamps + mean)
+    assert rendered.peak_over_background == pytest.approx(1 + (1 - glare) * dots / background, rel=0.05)
+
+
+@pytest.mark.parametrize("fwhm", [3.7, 4.4, 6.0])
+def test_width_of_the_dots_can_be_set(fwhm):
+    """Dots that are told to be so wide in 1280x720 images are so in rendered ones of a matte wall, density and places
+    kept.
+
+    Pixels and lens are no Gaussians, as which their spread is taken out, and a Gaussian is fitted: 3 % are left for it.
+    """
+    wall = lit_wall(DISTANCE, "1280x720", fwhm)
+    image = wall.image_without_white(lamp_irradiance(ROOM_LIGHT))
+    found = dot_statistics(image, middle_of_field(image.shape), wall.focal_px)
+    assert found.width[1] == pytest.approx(fwhm, rel=0.03)
+    assert found.density == pytest.approx(REAL_DENSITY, rel=0.05)
 
 
 def test_dots_stand_as_high_as_real_ones(rendered):
@@ -90,7 +107,7 @@ def test_dots_stand_as_high_as_real_ones(rendered):
 def test_dots_lie_as_on_a_real_box(rendered, side):
     """The same measurement on a real D435 frame, the matte side of a box: density and spacing of the rendered dots are
     within 15 %. Some 75 dots give the density to 5 % and its tenth percentile of spacing to 4 %. The dots of this
-    frame are narrower than the rendered ones (3.8 px at 1280x720 instead of 5), which is not tested here."""
+    frame are narrower than the rendered ones (3.8 px at 1280x720 instead of 4.9), which is not tested here."""
     real = dot_statistics(*real_dots(side), FOCAL_PX)
     assert rendered.density == pytest.approx(real.density, rel=AS_REAL)
     assert rendered.spacing == pytest.approx(real.spacing, rel=AS_REAL)

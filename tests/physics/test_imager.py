@@ -177,13 +177,16 @@ def test_auto_exposure_limits():
 
 
 def test_auto_exposure_looks_at_its_region():
-    """A dark region in a bright image gets the longer exposure: in proportion, as nothing else differs."""
+    """A dark region in a bright image gets the longer exposure: in proportion, as nothing else differs.
+
+    Without glare, by which the bright surroundings would light the dark region."""
+    clear = FLAT.model_copy(update={"veiling_glare": 0.0})
     ambient = np.full((360, 640), 0.05, np.float32)
     ambient[100:200, 100:300] /= 2
     inner, outer = np.zeros((2, 360, 640), bool)
     inner[120:180, 120:280] = outer[120:180, 400:560] = True
-    inside, _ = auto_exposure(dark((360, 640)), ambient, FLAT, inner)
-    outside, _ = auto_exposure(dark((360, 640)), ambient, FLAT, outer)
+    inside, _ = auto_exposure(dark((360, 640)), ambient, clear, inner)
+    outside, _ = auto_exposure(dark((360, 640)), ambient, clear, outer)
     assert inside / outside == pytest.approx(2.0, rel=1e-3)
 
 

@@ -10,7 +10,7 @@ from render.imager.settings import ImagerSettings
 @pytest.mark.parametrize("width", [640, 1280])
 def test_point_spread(width):
     """A point keeps its energy; its variance is the lens's (2.25 um) plus 1/6 px^2 of bilinear rectification."""
-    settings = ImagerSettings(vignetting_exponent=0.0)
+    settings = ImagerSettings(vignetting_exponent=0.0, veiling_glare=0.0)
     point = np.zeros((41, width), np.float32)
     point[20, 100] = 1000.0
     spread = through_lens(point, settings)
@@ -33,7 +33,7 @@ def test_vignetting_is_cosine_to_the_fourth():
 def test_flat_light_stays_flat_up_to_vignetting():
     """Blur of a constant is the constant, edges included."""
     flat = np.full((90, 160), 3.0, np.float32)
-    settings = ImagerSettings()
+    settings = ImagerSettings(veiling_glare=0.0)
     np.testing.assert_allclose(through_lens(flat, settings), 3.0 * vignetting(90, 160, 4.0), rtol=1e-5)
 
 

@@ -27,6 +27,7 @@ from studies.sensitivity.report.figures import (
 from studies.sensitivity.report.maps import BLUE, ORANGE, RED, TEAL, heat_map, map_panel, mapped_rows, panels_figure
 from studies.sensitivity.report.roughness_figure import roughness_figure
 from studies.sensitivity.report.tables import (
+    dot_table,
     finish_table,
     light_table,
     possible_table,
@@ -37,7 +38,7 @@ from studies.sensitivity.roughness import roughness_curves
 from studies.sensitivity.rules import pb_regained, precision, recall, regained
 from studies.sensitivity.sentences import study_findings
 from studies.sensitivity.shares import Row, false_share, hole_share
-from studies.sensitivity.tables import Tables, gather_tables, main_rows, study_summary, write_tables
+from studies.sensitivity.tables import Tables, gather_tables, main_rows, of_own_dots, study_summary, write_tables
 from studies.sensitivity.trust import distrusts, spoken, trusted
 
 
@@ -68,7 +69,7 @@ def sensitivity_html(plan: Plan, tables: Tables) -> str:
         .get_template("sensitivity.html.j2")
         .render(
             title=plan.title,
-            paragraph=study_findings(figures, main, tables.views, curves),
+            paragraph=study_findings(figures, main, of_own_dots(tables.views), curves),
             tiles=list(study_tiles(figures, main)),
             measured=figures["cases"],
             wanted=len({case for _, case in plan.cases}),
@@ -84,12 +85,13 @@ def sensitivity_html(plan: Plan, tables: Tables) -> str:
             roughness=roughness_figure(curves) if curves else Markup(""),
             causes=cause_bars(main),
             legend=[(css_colour(cause), LEGEND[cause]) for cause in shown_causes(mapped)],
-            incidence=incidence_curves(tables.incidence),
+            incidence=incidence_curves(of_own_dots(tables.incidence)),
             finishes=[(f"var(--series-{k})", spoken(name)) for k, name in shown_finishes(main)],
-            recovery=recovery_curves(tables.recovery_views),
+            recovery=recovery_curves(of_own_dots(tables.recovery_views)),
             stages=stage_table(main),
             hiding=finish_table(main),
-            lights=light_table(tables.views),
+            lights=light_table(of_own_dots(tables.views)),
+            dots=dot_table(tables.views),
             subjects=subject_table(main),
             possible=possible_table(main),
             config=[pair for pair in flattened(plan.preset) if not pair[0].startswith("sweeps")],
@@ -103,7 +105,7 @@ def sensitivity_html(plan: Plan, tables: Tables) -> str:
 def study_tiles(figures: Mapping[str, Any], main: Sequence[Row]) -> Iterator[tuple[str, str, str]]:
     """Headline figures: value, name, what it is measured against."""
     yield (
-        f"{figures['cases']:,}",
+        f"{len(main):,}",
         "views",
         f"of {len({row['material'] for row in main})} materials, labelled pixel by pixel",
     )
@@ -163,7 +165,7 @@ def shown_finishes(main: Sequence[Row]) -> list[tuple[int, str]]:
 def sweep_words(plan: Plan) -> Iterator[tuple[str, str]]:
     """Name of every sweep, and what it lists."""
     for sweep in plan.preset["sweeps"]:
-        listed = {key: value for key, value in sweep.items() if key != "name" and value not in ([], False, 0)}
+        listed = {key: value for key, value in sweep.items() if key != "name" and value not in ([], [None], False, 0)}
         yield (
             sweep["name"],
             "; ".join(

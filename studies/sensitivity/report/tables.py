@@ -91,6 +91,22 @@ def light_table(rows: Sequence[Row]) -> Table:
     return Table(["Light", *(f"{spoken(name)}: no depth / false" for name in finishes)], lines)
 
 
+def dot_table(rows: Sequence[Row]) -> Table:
+    """Holes and false depth by the width of the projector's dots, of what was measured with several."""
+    groups = together([row for row in rows if row["main_light"]], _but_for_dots).values()
+    several = [row for group in groups if len({row["dot_fwhm_px"] for row in group}) > 1 for row in group]
+    finishes = [name for name, _ in by_surface(several)]
+    lines = []
+    for width, group in sorted(together(several, lambda row: row["dot_fwhm_px"] or 0.0).items()):
+        of = dict(by_surface(group))
+        shares = [
+            f"{percent(hole_share(of[name]))} / {percent(false_share(of[name]))}" if name in of else ""
+            for name in finishes
+        ]
+        lines.append([f"{width:g} px wide" if width else "the sensor's own", *shares])
+    return Table(["Dots", *(f"{spoken(name)}: no depth / false" for name in finishes)], lines)
+
+
 def subject_table(rows: Sequence[Row]) -> Table:
     """Everything at a glance for each coupon and part, surface by surface."""
     lines = []
@@ -135,6 +151,12 @@ def by_surface(rows: Iterable[Row]) -> list[tuple[str, list[Row]]]:
     order: Mapping[str, int] = {finish: k for k, finish in enumerate(FINISHES)}
     groups = together([row for row in rows if surface(row)], surface)
     return sorted(groups.items(), key=lambda item: order.get(item[0], len(order)))
+
+
+def _but_for_dots(row: Row) -> tuple[str, ...]:
+    """What cases share that differ in the width of the dots alone."""
+    names = ("subject", "material", "polar_deg", "distance_m", "seed")
+    return tuple(str(row[name]) for name in names)
 
 
 def _lights(rows: Iterable[Row]) -> set[tuple[str, float]]:

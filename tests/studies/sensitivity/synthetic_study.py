@@ -21,7 +21,7 @@ from studies.sensitivity.preset import SensitivityPreset, Sweep
 
 FINISHES = ("mirror", "polished", "bright", "brushed", "milled", "blasted")
 ANGLES = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 75.0)
-SWEEPS = ("metals", "repetitions", "parts", "lights", "roughness")
+SWEEPS = ("metals", "repetitions", "parts", "lights", "roughness", "dots")
 
 
 def write_study(out: Path, metals: tuple[str, ...] = metal_names(), finishes: tuple[str, ...] = FINISHES) -> None:
@@ -50,6 +50,8 @@ def _results(metals: tuple[str, ...], finishes: tuple[str, ...]) -> Iterator[tup
         yield "parts", case(part, "own", angle, 0.3)
     for finish in finishes[:2]:
         yield "lights", case("plate", f"{metals[0]}:{finish}", 20.0, 0.31, lights=(("workshop", 150.0), ("off", 360.0)))
+    for width in (3.7, 5.0):
+        yield "dots", case("plate", f"{metals[0]}:{finishes[0]}", 20.0, 0.3, dots=width)
     for alpha, distance in product((0.02, 0.05, 0.1, 0.2), (0.3, 0.5)):
         yield "roughness", case("plate", f"{metals[0]}:bright@alpha={alpha}", 0.0, distance)
 
@@ -61,9 +63,10 @@ def case(
     distance: float,
     seed: int = 0,
     lights: tuple[tuple[str, float], ...] = (("workshop", 150.0),),
+    dots: float | None = None,
 ) -> dict[str, list[dict[str, Any]]]:
     """The result of one case; its counts depend on what it is of."""
-    rng = np.random.default_rng([seed, *f"{subject} {spec} {angle} {distance}".encode()])
+    rng = np.random.default_rng([seed, *f"{subject} {spec} {angle} {distance} {dots or ''}".strip().encode()])
     surface = None if spec == "own" else material(spec)
     metal, _, finish = spec.partition(":")
     conductor = surface if isinstance(surface, RoughConductor) else None
@@ -73,6 +76,7 @@ def case(
         "finish": finish if conductor and "@" not in finish else None,
         "alpha_u": alpha if conductor else None, "alpha_v": conductor.alpha_v if conductor else None,
         "polar_deg": angle, "azimuth_deg": 20.0, "distance_m": distance, "seed": seed,
+        "dot_fwhm_px": dots,
     }  # fmt: skip
     views = [
         keys | {"lamps": lamps, "laser_mw": laser, "main_light": k == 0} | _counts(rng, alpha)

@@ -6,9 +6,10 @@ import pytest
 
 from materials.catalog import finish_names
 from materials.input_error import InputError
-from studies.sensitivity.cases import sweep_cases
+from render.sensor import SensorSettings
+from studies.sensitivity.cases import look_camera, look_scene, sweep_cases
 from studies.sensitivity.plan import read_plan, write_plan
-from studies.sensitivity.preset import SensitivityPreset
+from studies.sensitivity.preset import SensitivityPreset, Sweep
 
 
 def test_full_preset_covers_what_it_promises():
@@ -43,6 +44,22 @@ def test_twins_are_shared_by_all_metals():
     assert len({twin.digest for case in angles for twin in case.twins}) == 4
 
 
+def test_width_of_the_dots_is_one_more_factor():
+    """Off by default: as many cases as before, of the sensor's own dots. Three widths make three cases and three twins
+    of each; the camera has the dots that the case names, the sensor's own where it names none, and all else as it
+    was."""
+    one = Sweep(name="a", materials=("primer",))
+    assert one.dots_fwhm_px == (None,)
+    three = one.model_copy(update={"dots_fwhm_px": (None, 3.7, 5.0)})
+    sensor = SensorSettings(dot_fwhm_px=4.4)
+    configs = [case.config for case in sweep_cases(SensitivityPreset(title="dots", sweeps=(three,), sensor=sensor))]
+    assert len({c.digest for c in configs}) == len({t.digest for c in configs for t in c.twins}) == 3
+    scene = look_scene(configs[0], "primer", configs[0].lights[0])
+    cameras = [look_camera(c, scene, c.lights[0]).settings for c in configs]
+    assert [settings.dot_fwhm_px for settings in cameras] == [4.4, 3.7, 5.0]
+    assert len({settings.model_copy(update={"dot_fwhm_px": None}).model_dump_json() for settings in cameras}) == 1
+
+
 def test_plan_comes_back(tmp_path: Path):
     """What a study was asked for is read back from its folder, case by case."""
     preset = SensitivityPreset.named("quick")
@@ -60,6 +77,7 @@ BAD = {
     "no finish": ("sweeps: [{name: a, metals: [iron]}]", "finishes"),
     "own coupon": ("sweeps: [{name: a, materials: [own]}]", "own"),
     "poses without recovery": ("sweeps: [{name: a, materials: [primer], hemisphere_poses: 9}]", "recovery"),
+    "dots": ("sweeps: [{name: a, materials: [primer], dots_fwhm_px: [2]}]", "dots_fwhm_px"),
     "same name": ("sweeps: [{name: a, materials: [primer]}, {name: a, materials: [rubber]}]", "two sweeps"),
     "nothing": ("sweeps: []", "sweeps"),
 }

@@ -12,11 +12,13 @@ import pytest
 from materials.catalog import metal_names
 from render.labels.causes import HOLES
 from studies.base.console import JSON_SCHEMA
+from studies.base.numbers_as_text import percent
 from studies.cli.main import main
 from studies.sensitivity.columns import cause_column
 from studies.sensitivity.plan import read_plan
 from studies.sensitivity.report.page import rebuild
-from studies.sensitivity.tables import gather_tables, main_rows, study_summary
+from studies.sensitivity.report.tables import dot_table
+from studies.sensitivity.tables import gather_tables, main_rows, of_own_dots, study_summary
 from studies.sensitivity.trust import angle_words, distrusts, metal_words, surface
 from tests.studies.browser import CHROMIUM, visit
 from tests.studies.sensitivity.synthetic_study import ANGLES, FINISHES, write_study
@@ -91,6 +93,27 @@ def test_cell_says_what_was_counted(study: Path):
     html = (study / "report.html").read_text()
     words = f"stainless_austenitic:polished, 20 deg: {100 * holes / pixels:.1f} % (5 views, {pixels:,} part pixels)"
     assert words in html
+
+
+def test_widths_of_the_dots_have_a_table_and_nothing_else(study: Path):
+    """A row a width, its shares added up here from the folders; the sensor's own are the cases of the same view. Views
+    with other dots count neither in the headline nor in a cell."""
+    shares = {}
+    for file in (study / "cases").glob("*/result.json"):
+        for row in json.loads(file.read_text())["views"]:
+            if (row["subject"], row["material"], row["polar_deg"], row["distance_m"], row["seed"]) == (
+                "plate", f"{metal_names()[0]}:mirror", 20.0, 0.3, 0,
+            ):  # fmt: skip
+                shares[row["dot_fwhm_px"]] = sum(row[cause_column(c)] for c in HOLES) / row["part_pixels"]
+    assert set(shares) == {None, 3.7, 5.0}
+    tables = gather_tables(study, read_plan(study).cases)
+    table = dot_table(tables.views)
+    assert [row[0] for row in table.rows] == ["the sensor's own", "3.7 px wide", "5 px wide"]
+    column = table.head.index("mirror: no depth / false")
+    assert [row[column].split(" / ")[0] for row in table.rows] == [percent(shares[w]) for w in (None, 3.7, 5.0)]
+    assert all(row["dot_fwhm_px"] is None for row in main_rows(tables))
+    assert "3.7 px wide" in (study / "report.html").read_text()
+    assert dot_table(of_own_dots(tables.views)).rows == []
 
 
 def test_rebuilt_report_is_the_same(study: Path, capsys: pytest.CaptureFixture):
