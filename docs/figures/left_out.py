@@ -21,7 +21,11 @@ from studies.store.stereo_files import read_pair, read_reference
 
 BLOCKS = (3, 4)
 """Rows and columns of blocks; choice: each then holds some 200 holes of the reference."""
-GRID = {"arm_threshold": (30, 36, 40, 44, 51), "second_peak": (195.0, 234.0, 273.0), "left_right_px": (0.6, 0.75, 1.0)}
+GRID = {
+    "arm_threshold": (30, 36, 40, 44, 51),
+    "second_peak": (195.0, 234.0, 273.0),
+    "left_right_px": (0.75, 0.875, 1.0),
+}
 """Values that the thresholds are chosen from, Default's and those around them."""
 
 

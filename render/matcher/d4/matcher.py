@@ -19,8 +19,8 @@ from render.matcher.d4.stream import COST_SCALE, stream_kernel
 from render.matcher.d4.support import path_edges, support_arms, support_reciprocals
 from render.matcher.interface import N_DISPARITIES, PATH_MARGIN, SUBPIXEL_STEPS, StereoMatcher, Window
 
-BELOW_MARGIN = 19
-"""Rows below a window [px]: census 4, aggregation 4, neighbour count 6, mean along the surface 5."""
+BELOW_MARGIN = 18
+"""Rows below a window [px]: census 4, aggregation 4, neighbour count 6, mean along the surface 4."""
 
 
 @dataclass(frozen=True)
