@@ -3,14 +3,18 @@
 import numpy as np
 
 from docs.figures.drawing import panels, show_grey, write
-from tests.physics.depth_statistics import LAGS, PROFILE, Frame, autocorrelation, smooth_patches
-from tests.physics.furnished_room import LAMPS, room_frames
+from tests.physics.depth_statistics import LAGS, PROFILE, Frame, autocorrelation, edge_profile, smooth_patches
+from tests.physics.furnished_room import D415, LAMPS, room_frames
 from tests.physics.real_d415_statistics import REAL, is_met, statistics
 
 SHOWN = 1
 """The view that is drawn."""
 FALSE_PX = 1.0
 """Disparity error that is drawn as false [px]."""
+STEPS_PX = (3.0, 5.0, 8.0)
+"""Least steps of an edge, to see how much their choice matters [px]."""
+FEW_MODES = 3.0
+"""Of the laser, to see what more speckle does to the noise."""
 COLOURS = {"hole": (0.85, 0.1, 0.1), "hidden hole": (0.1, 0.6, 0.1), "false": (0.1, 0.2, 0.9)}
 
 
@@ -40,6 +44,13 @@ def main() -> None:
         print(f"{name:46s}{real:7.3f}" + "".join(cell(name, found[lamps][name]) for lamps in LAMPS))
     for lamps in LAMPS:
         print(f"met under {lamps}: {sum(is_met(name, value) for name, value in found[lamps].items())} of {len(REAL)}")
+    for step in STEPS_PX:
+        shares = edge_profile(frames["dim"], "left", step)[:, 0]
+        print(f"left of edges of {step:g} px and more, hole at {PROFILE} px: {shares.round(2).tolist()}")
+    speckled = D415.model_copy(update={"imager": D415.imager.model_copy(update={"laser_modes": FEW_MODES})})
+    other = statistics([view["dim"] for view in room_frames(("dim",), speckled)])
+    sigma = ", ".join(f"{other[name]:.3f}" for name in list(REAL)[:3])
+    print(f"noise of smooth patches with {FEW_MODES:g} laser modes instead of {D415.imager.laser_modes:g}: {sigma} px")
     draw(frames, found)
 
 

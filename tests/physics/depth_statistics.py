@@ -149,21 +149,22 @@ def hiding_disparity(true: Float[np.ndarray, "h w"], reach: int = 126) -> Float[
     return cover
 
 
-def edge_profile(frames: list[Frame], side: str) -> Float[np.ndarray, "k 2"]:
+def edge_profile(frames: list[Frame], side: str, step: float = EDGE_PX) -> Float[np.ndarray, "k 2"]:
     """Shares of holes and of the foreground's disparity in the background beside near edges, at `PROFILE` px.
 
     side: `left` of the near thing, where the right imager does not see the background, or `right` of it. Pixel 0 is the
-    first of the background. A place counts as long as the background goes on without a further edge.
+    first of the background. step: of an edge [px]. A place counts as long as the background goes on
+    without a further edge.
     """
     sums, numbers = np.zeros((len(PROFILE), 2)), np.zeros(len(PROFILE))
     for frame in frames:
         true, found, inside = frame.true, frame.found, frame.in_right & frame.counted
         if side == "right":
             true, found, inside = true[:, ::-1], found[:, ::-1], inside[:, ::-1]
-        for y, x in np.argwhere(np.diff(true, axis=1) >= EDGE_PX):  # x: background, x + 1: near
+        for y, x in np.argwhere(np.diff(true, axis=1) >= step):  # x: background, x + 1: near
             near = true[y, x + 1]
             for i, k in enumerate(PROFILE):
-                if x < k or not inside[y, x - k] or np.any(near - true[y, x - k : x + 1] < EDGE_PX):
+                if x < k or not inside[y, x - k] or np.any(near - true[y, x - k : x + 1] < step):
                     break
                 hole = found[y, x - k] == 0
                 sums[i] += [hole, not hole and abs(found[y, x - k] - near) <= SAME_PX]

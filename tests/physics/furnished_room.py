@@ -81,9 +81,9 @@ def room_views() -> tuple[RigidTransform, ...]:
     return tuple(look_at(np.array(eye), np.array(target)) for eye, target in _VIEWS)
 
 
-def room_frames(lamps: tuple[str, ...] = tuple(LAMPS), seed: int = 1) -> Iterator[dict[str, Frame]]:
+def room_frames(lamps: tuple[str, ...] = tuple(LAMPS), settings: SensorSettings = D415) -> Iterator[dict[str, Frame]]:
     """Per view the frame under each of these lamps (`LAMPS`), rendered once."""
-    camera = SimulatedD435i(furnished_room(), D415, seed=seed)
+    camera = SimulatedD435i(furnished_room(), settings, seed=1)
     for pose in room_views():
         left, right = camera.render(pose)
         truth, frames = camera.truth(pose), {}
