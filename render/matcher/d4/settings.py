@@ -69,7 +69,7 @@ class D4Settings:
     """Disparity difference up to which a neighbour agrees [px]; preset, `rsm.diffThresh`."""
     mean_reach_u: int = 4
     """How far to the left and right a disparity is averaged along its surface [px], 0 to 12; fitted (noise). 6 and 5
-    would fit it best, but would see a ball of 19 px radius 11 % too deep instead of 9 %."""
+    would fit it best, but would see a ball of 19 px radius 11.4 % too deep instead of 9.5 %."""
     mean_reach_v: int = 4
     """The same up and down [px], 0 to 12; fitted (noise)."""
     mean_px: float = 1.0
