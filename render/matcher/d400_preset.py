@@ -30,8 +30,6 @@ ALIASES = {"param-zunits": UNITS} | {f"aux-{key}": key for key in (SHIFT, UNITS,
 
 RSM_WINDOW = 168
 """Neighbours that the chip's RSM stage counts, 13 x 13 - 1; the file holds shares of them (`json_loader.hpp`)."""
-LEFT_RIGHT_STEPS = 32
-"""`param-leftrightthreshold` counts 1/32 px."""
 
 LIMITS = {
     **dict.fromkeys((*P1_KEYS, *P2_KEYS, SECOND_PEAK), (0, 1023)),
@@ -165,7 +163,7 @@ def _settings(values: dict[str, float]) -> D4Settings:
         p1=scaled(standard.p1, P1_KEYS),
         p2=scaled(standard.p2, P2_KEYS),
         second_peak=standard.second_peak * values[SECOND_PEAK] / default[SECOND_PEAK],
-        left_right_px=values[LEFT_RIGHT] / LEFT_RIGHT_STEPS,
+        left_right_px=standard.left_right_px * values[LEFT_RIGHT] / default[LEFT_RIGHT],
         neighbour_px=values[RSM_DIFFERENCE],
         neighbour_least=round(values[RSM_REMOVE] * RSM_WINDOW) if values[RSM_ON] else 0,
     )

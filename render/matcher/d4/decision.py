@@ -10,17 +10,13 @@ from typing import no_type_check
 import cv2
 import numpy as np
 from jaxtyping import Int16, UInt16
-from numba import njit
 
 from render.matcher.compiled import compiled
 from render.matcher.d4.lane_instructions import (
     choose,
     is_among,
-    is_below,
-    is_equal,
     lane_numbers,
     load,
-    minimum,
     minus,
     plus,
     spread,
@@ -29,12 +25,6 @@ from render.matcher.d4.lane_instructions import (
 from render.matcher.d4.lane_types import PART
 from render.matcher.d4.settings import PATHS, D4Settings
 from render.matcher.interface import SUBPIXEL_STEPS
-
-NO_COST = np.int16(32767)
-"""Marks lanes outside the search in `Evidence`."""
-
-OUTSIDE = np.int16(-30000)
-"""Winning lane of a pixel that takes no part: more than one lane from any other."""
 
 HOLE = np.int16(-12000)
 """Stands for a hole where neighbours are compared: farther from any disparity than any tolerance."""
@@ -103,93 +93,6 @@ def _select(left, right, ahead, wanted, second_peak, left_right, fit_costs, para
 
 
 @no_type_check
-@njit(forceinline=True)
-def _surface_costs(reference, lanes, planes, plane, at, pitch, radius):
-    """Costs of the lanes reference - 1, reference, reference + 1, summed over neighbours that won within one lane.
-
-    reference: lanes of 32 pixels. lanes[at], planes[at]: what the first of them finds at the window's upper left.
-    """
-    low, same, high = spread(np.int16(0), reference), spread(np.int16(0), reference), spread(np.int16(0), reference)
-    for dy in range(2 * radius + 1):
-        for dx in range(2 * radius + 1):
-            i = np.uint64(at + dy * pitch + dx)
-            offset = minus(reference, load(lanes, i, reference))
-            under, equal, over = (
-                is_equal(offset, np.int16(-1)),
-                is_equal(offset, np.int16(0)),
-                is_equal(offset, np.int16(1)),
-            )
-            c0, c1 = load(planes, i, reference), load(planes, i + plane, reference)
-            c2, c3 = load(planes, i + 2 * plane, reference), load(planes, i + 3 * plane, reference)
-            c4 = load(planes, i + 4 * plane, reference)
-            low = plus(low, choose(over, c2, choose(equal, c1, choose(under, c0, np.int16(0)))))
-            same = plus(same, choose(over, c3, choose(equal, c2, choose(under, c1, np.int16(0)))))
-            high = plus(high, choose(over, c4, choose(equal, c3, choose(under, c2, np.int16(0)))))
-    return low, same, high
-
-
-@no_type_check
-@compiled
-def _sum_surfaces(lanes, planes, radius, reference, sums):
-    """Per pixel the lane around which costs are lowest and the sums around it; images in rows of whole vectors."""
-    h, w, pitch, size = reference.shape[0], reference.shape[1], lanes.shape[1], np.uint64(reference.size)
-    flat_lanes, flat_planes, plane = lanes.reshape(-1), planes.reshape(-1), np.uint64(lanes.size)
-    flat_reference, flat_sums, like = reference.reshape(-1), sums.reshape(-1), lane_numbers(PART)
-    for y in range(h):
-        for x in range(0, w, PART):
-            at, out = y * pitch + x, np.uint64(y * w + x)
-            best = load(flat_lanes, np.uint64(at + radius * pitch + radius), like)
-            low, same, high = _surface_costs(best, flat_lanes, flat_planes, plane, at, pitch, radius)
-            # The paths may hold the winner back by a lane where the surface slopes: fit around the lowest of the three.
-            moved = choose(is_below(low, same), minus(best, np.int16(1)), best)
-            moved = choose(is_below(high, minimum(low, same)), plus(best, np.int16(1)), moved)
-            moved = choose(is_below(best, np.int16(0)), OUTSIDE, moved)
-            low, same, high = _surface_costs(moved, flat_lanes, flat_planes, plane, at, pitch, radius)
-            store(flat_reference, out, moved)
-            store(flat_sums, out, low)
-            store(flat_sums, out + size, same)
-            store(flat_sums, out + size + size, high)
-
-
-@no_type_check
-@compiled
-def _fit_surface(reference, sums, found):
-    h, w = found.shape
-    for y in range(h):
-        for x in range(w):
-            below = np.int32(sums[0, y, x]) - sums[1, y, x]
-            above = np.int32(sums[2, y, x]) - sums[1, y, x]
-            # All is computed and one is kept, so that the loop has no branches.
-            inside = np.float32(below - above) / np.float32(2 * max(below, above, 1))
-            end = np.float32(-0.5) if below < above else np.float32(0.5)
-            fraction = end if min(below, above) < 0 else inside
-            fitted = np.int16(np.floor((reference[y, x] + fraction) * np.float32(32) + np.float32(0.5)))
-            found[y, x] = fitted if reference[y, x] >= 0 else found[y, x]
-
-
-def fit_surfaces(
-    evidence: Evidence, found: UInt16[np.ndarray, "h w"], settings: D4Settings
-) -> UInt16[np.ndarray, "h w"]:
-    """Sub-pixel disparity from costs averaged over the neighbours of the same surface [1/32 px, 0 = hole].
-
-    A neighbour belongs to the surface when its winner is at most one lane away; costs are averaged at equal disparity.
-    Pixels whose five lanes are not all inside the search keep what they have.
-    """
-    (h, w), radius = found.shape, settings.surface_radius
-    width = -(-w // PART) * PART
-    inner = slice(radius, radius + h), slice(radius, radius + w)
-    planes = np.zeros((5, h + 2 * radius, width + 2 * radius), np.int16)
-    planes[:, *inner] = evidence.left[4:9]
-    lanes = np.full(planes.shape[1:], OUTSIDE)
-    lanes[inner] = np.where((found > 0) & (evidence.left[4:9].max(axis=0) != NO_COST), evidence.left[0], OUTSIDE)
-    reference, sums = np.zeros((h, width), np.int16), np.zeros((3, h, width), np.int16)
-    _sum_surfaces(lanes, planes, radius, reference, sums)
-    fitted = found.copy()
-    _fit_surface(reference, sums, fitted)
-    return fitted
-
-
-@no_type_check
 @compiled
 def _agreeing_neighbours(padded, radius, tolerance, counts):
     """Pixels in the window that agree with its centre, which is one of them; images in rows of whole vectors."""
@@ -210,12 +113,68 @@ def _agreeing_neighbours(padded, radius, tolerance, counts):
 def with_support(disparity: UInt16[np.ndarray, "h w"], settings: D4Settings) -> UInt16[np.ndarray, "h w"]:
     """Drop pixels that too few neighbours agree with [1/32 px, 0 = hole]."""
     (h, w), radius = disparity.shape, settings.neighbour_radius
-    width = -(-w // PART) * PART
-    padded = np.full((h + 2 * radius, width + 2 * radius), HOLE)
-    padded[radius : radius + h, radius : radius + w] = np.where(disparity > 0, disparity.astype(np.int16), HOLE)
-    counts = np.zeros((h, width), np.int16)
+    padded = _padded(disparity, radius, radius)
+    counts = np.zeros((h, padded.shape[1] - 2 * radius), np.int16)
     _agreeing_neighbours(padded, radius, np.int16(settings.neighbour_px * SUBPIXEL_STEPS), counts)
     return np.where(counts[:, :w] > settings.neighbour_least, disparity, np.uint16(0))
+
+
+@no_type_check
+@compiled
+def _sum_pairs(padded, reach_u, reach_v, tolerance, sums, counts):
+    """Per pixel the disparities above its own, summed over the pairs of opposite neighbours that both agree with it."""
+    h, w, pitch = counts.shape[0], counts.shape[1], padded.shape[1]
+    flat, flat_sums, flat_counts, like = padded.reshape(-1), sums.reshape(-1), counts.reshape(-1), lane_numbers(PART)
+    width = np.int16(2 * tolerance + 1)
+    for y in range(h):
+        for x in range(0, w, PART):
+            at = (y + reach_v) * pitch + x + reach_u
+            lowest = minus(load(flat, np.uint64(at), like), tolerance)
+            total, pairs = spread(np.int16(0), like), spread(np.int16(0), like)
+            for dy in range(reach_v + 1):
+                for dx in range(-reach_u if dy > 0 else 1, reach_u + 1):
+                    one = minus(load(flat, np.uint64(at + dy * pitch + dx), like), lowest)
+                    other = minus(load(flat, np.uint64(at - dy * pitch - dx), like), lowest)
+                    # Each is 0 to 2 tolerance if it agrees; less `tolerance` it is what it lies above the pixel.
+                    beyond = choose(is_among(one, width), other, width)
+                    both = is_among(beyond, width)
+                    total = choose(both, plus(total, minus(plus(one, other), np.int16(2 * tolerance))), total)
+                    pairs = choose(both, plus(pairs, np.int16(1)), pairs)
+            store(flat_sums, np.uint64(y * w + x), total)
+            store(flat_counts, np.uint64(y * w + x), pairs)
+
+
+@no_type_check
+@compiled
+def _add_means(sums, pairs, found):
+    h, w = found.shape
+    for y in range(h):
+        for x in range(w):
+            above = np.float32(sums[y, x]) / np.float32(2 * pairs[y, x] + 1)
+            found[y, x] += np.int16(np.floor(above + np.float32(0.5))) if found[y, x] > 0 else np.int16(0)
+
+
+def mean_of_surface(disparity: UInt16[np.ndarray, "h w"], settings: D4Settings) -> UInt16[np.ndarray, "h w"]:
+    """Mean disparity of a pixel and its neighbours on the same surface [1/32 px, 0 = hole].
+
+    Neighbours count in pairs, one opposite the other, if both are valid and near the pixel's disparity: so a slope
+    keeps its disparities up to its end, and what lies beyond a step has no part.
+    """
+    u, v = settings.mean_reach_u, settings.mean_reach_v
+    padded = _padded(disparity, u, v)
+    sums, pairs = (np.zeros((len(disparity), padded.shape[1] - 2 * u), np.int16) for _ in range(2))
+    _sum_pairs(padded, u, v, np.int16(settings.mean_px * SUBPIXEL_STEPS), sums, pairs)
+    means = disparity.astype(np.int16)
+    _add_means(sums, pairs, means)
+    return means.astype(np.uint16)
+
+
+def _padded(disparity: UInt16[np.ndarray, "h w"], u: int, v: int) -> Int16[np.ndarray, "h_p w_p"]:
+    """Rows of whole vectors with `u` and `v` pixels around them, `HOLE` where there is no disparity."""
+    h, w = disparity.shape
+    padded = np.full((h + 2 * v, -(-w // PART) * PART + 2 * u), HOLE)
+    padded[v : v + h, u : u + w] = np.where(disparity > 0, disparity.astype(np.int16), HOLE)
+    return padded
 
 
 def without_speckles(disparity: UInt16[np.ndarray, "h w"], settings: D4Settings) -> UInt16[np.ndarray, "h w"]:
@@ -246,12 +205,9 @@ def select(evidence: Evidence, wanted: int, settings: D4Settings) -> UInt16[np.n
 
 
 def decide(evidence: Evidence, wanted: int, settings: D4Settings) -> UInt16[np.ndarray, "h w"]:
-    """Selected winners after median and neighbour count, above the search's start [1/32 px], 0 = hole."""
+    """Selected winners after neighbour count and mean along surfaces, above the search's start [1/32 px], 0 = hole."""
     found = select(evidence, wanted, settings)
-    if settings.subpixel == "costs" and settings.surface_radius > 0:
-        found = fit_surfaces(evidence, found, settings)
     if settings.median_first:
-        found = with_support(np.asarray(cv2.medianBlur(found, 3)), settings)
-    else:
-        found = np.asarray(cv2.medianBlur(with_support(found, settings), 3))
+        found = np.asarray(cv2.medianBlur(found, 3))
+    found = mean_of_surface(with_support(found, settings), settings)
     return without_speckles(found, settings) if settings.speckle_size else found

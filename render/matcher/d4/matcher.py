@@ -19,8 +19,8 @@ from render.matcher.d4.stream import COST_SCALE, stream_kernel
 from render.matcher.d4.support import path_edges, support_arms, support_reciprocals
 from render.matcher.interface import N_DISPARITIES, PATH_MARGIN, SUBPIXEL_STEPS, StereoMatcher, Window
 
-BELOW_MARGIN = 16
-"""Rows below a window [px]: census 4, aggregation 4, neighbour count 6, median 1."""
+BELOW_MARGIN = 18
+"""Rows below a window [px]: census 4, aggregation 4, neighbour count 6, mean along the surface 4."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,8 @@ class D4Matcher(StereoMatcher):
     """The D4-like matcher; frames of a burst are matched in parallel, one a core.
 
     9x9 census, costs aggregated over a cross, semi-global optimisation over five paths (Hirschmueller, PAMI 2008), then
-    left-right check, second peak, sub-pixel fit, neighbour count and median. It is fitted to what real cameras lose and
-    find; it is no copy of the chip. Results do not depend on the number of threads.
+    left-right check, second peak, sub-pixel fit, neighbour count and mean along the surface. It is fitted to what real
+    cameras lose and find; it is no copy of the chip. Results do not depend on the number of threads.
     """
 
     settings: D4Settings = field(default_factory=D4Settings)

@@ -54,7 +54,7 @@ def test_values_keep_their_proportion(tmp_path):
     preset = preset_from_file(write(tmp_path / "d.json", {"parameters": changed, "schema version": 1}))
     assert preset.settings.second_peak == pytest.approx(2 * D4Settings().second_peak)
     assert preset.settings.p2 == (2462, *D4Settings().p2[1:])
-    assert preset.settings.left_right_px == 12 / 32
+    assert preset.settings.left_right_px == D4Settings().left_right_px * 12 / 24
 
 
 def test_shift_units_and_bypass(tmp_path):
