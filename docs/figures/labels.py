@@ -1,4 +1,4 @@
-"""Labels: why each pixel has no depth. `python -m docs.figures.labels`."""
+"""Labels: why each pixel has no depth, and what the matte twin shows there. `python -m docs.figures.labels`."""
 
 import numpy as np
 from matplotlib.patches import Patch
@@ -6,9 +6,11 @@ from matplotlib.patches import Patch
 from docs.figures.drawing import panels, show_grey, write
 from franbv.candidates import first_view
 from franbv.parameters import Parameters
+from materials.catalog import material
 from render.d435i import SensorSettings, SimulatedD435i
-from render.labels.causes import LEGEND
+from render.labels.causes import LEGEND, is_hole, is_of
 from render.labels.labels import label_frame
+from render.labels.twin import measure_twin
 from render.world.truth import looks_at_part
 from scenes.build import part_scene
 
@@ -41,6 +43,26 @@ def main() -> None:
         panel.set_axis_off()
     axes[2].legend(handles=shown, loc="center left", fontsize=6)
     write(figure, "labels")
+    print_holes_by_twin()
+
+
+def print_holes_by_twin() -> None:
+    """Print, of the holes on each part, which are reflection's, and of how many the twin's depth is false."""
+    pose, steel = first_view(Parameters(), 0.0), material("stainless_austenitic:polished")
+    print("first view, holes on the part: reflection, twin's depth false, unexplained")
+    for part, material_of_part in ((part, m) for m in (None, steel) for part in "ABCD"):
+        scene = part_scene(part)
+        if material_of_part:
+            scene = scene.with_materials(lambda body, m=material_of_part: m if body.is_part else body.material)
+        camera = SimulatedD435i(scene, SensorSettings(crop=None))
+        truth = camera.truth(pose)
+        twin = measure_twin(camera, pose, FRAMES, truth)
+        cause = label_frame(camera, pose, camera.measure(pose, FRAMES), twin, truth).cause
+        holes = is_hole(cause) & looks_at_part(truth, scene)
+        kinds = is_of(cause, "reflection"), twin.outcome.is_false, is_of(cause, "unexplained")
+        shares = "  ".join(f"{100 * float(np.mean(kind[holes])):5.1f} %" for kind in kinds)
+        name = material_of_part.name if material_of_part else "own"
+        print(f"  {part}, {name}: {np.count_nonzero(holes):5d}: {shares}")
 
 
 if __name__ == "__main__":

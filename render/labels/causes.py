@@ -68,7 +68,8 @@ LEGEND: dict[Cause, LegendEntry] = {
         "occlusion_window",
         "occlusion",
         (110, 165, 235),
-        "the matcher's window holds more than one depth, an edge or a steep surface, and a matte one is lost as well",
+        "the matcher's window holds more than one depth, an edge or a steep surface, and a matte one is not measured "
+        "rightly either",
     ),
     Cause.PROJECTOR_SHADOW: LegendEntry(
         "projector_shadow", "projector_shadow", (125, 85, 175), "no dots reach it, and it comes back when they do"

@@ -2,7 +2,7 @@
 
 A matcher compares windows, so it also loses pixels *near* one that has no partner, and surfaces so steep that a window
 of them looks different from the other side. Neither alone is a cause, since dark metal ends at edges and stands steep
-too: such a pixel counts only if the matte twin loses it as well.
+too: such a pixel counts only if the matte twin has no right depth there either.
 """
 
 from dataclasses import dataclass

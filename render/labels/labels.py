@@ -2,12 +2,16 @@
 
 One thing is changed at a time and the same pose measured again, to see whether the pixel comes back. In this order:
 what geometry forbids (range, overlap, hidden from the right imager); the projector's shadows; an exposure that drowns
-it; what the matcher's window cannot hold, where the matte twin is lost too; the matte twin; dots as strong as near by.
-Interventions are made only where they can still decide.
+it; what the matcher's window cannot hold, where the matte twin is not right either; the matte twin; dots as strong as
+near by. Interventions are made only where they can still decide.
 
-Shadows are lifted from the matte twin: where it is lost as well and comes back when dots reach it, no material would
-have helped. Where it has depth in the same shadow, dots were not what was missing. Likewise the twin is exposed anew
-where it is lost and white.
+A hole is reflection's only where the twin has *right* depth: a false one is no better than none, and says that no
+material would have helped. Such a hole goes the way of one that the twin has as well: beside an edge or on a steep
+surface it is the window's, elsewhere out of the dots' reach if strong dots mend it, and otherwise unexplained.
+
+Shadows are lifted from the matte twin: where it is not right and is matched rightly when dots reach it, no material
+would have helped. Where it is right in the same shadow, dots were not what was missing. Likewise the twin is exposed
+anew where it is not right and white.
 
 The twin convicts a material only where a surface that is not matte lies within the matcher's window, or an
 over-exposure drowns the pixel: anywhere else it is the same surface, and whether it comes back in a new measurement of
@@ -111,7 +115,7 @@ def _causes(
 
     settle(invalid & twin.lost_to_shadow, Cause.PROJECTOR_SHADOW)
     settle(invalid & twin.lost_to_exposure, Cause.OVER_EXPOSED)
-    reflects = invalid & ~twin.outcome.invalid & touched & (cause == Cause.MEASURED)
+    reflects = invalid & twin.outcome.right & touched & (cause == Cause.MEASURED)
     settle(invalid & ~reflects, places.window)
     settle(invalid & ~reflects & places.near_dark, Cause.OUT_OF_REACH)
     undecided = invalid & ~reflects & (cause == Cause.MEASURED)

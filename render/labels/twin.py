@@ -18,7 +18,7 @@ from render.labels.causes import Cause
 from render.labels.geometric import geometry
 from render.labels.infrared import is_white
 from render.labels.interventions import matched_when_exposed_for, matched_without_shadows
-from render.labels.outcome import Outcome, burst_outcome
+from render.labels.outcome import Outcome, burst_outcome, is_matched_rightly
 from render.world.truth import Truth
 from scenes.scene import Scene
 
@@ -33,9 +33,9 @@ class MatteTwin:
 
     outcome: Outcome
     lost_to_shadow: Bool[np.ndarray, "h w"]
-    """Invalid, and matched rightly once the projector's shadows are lifted."""
+    """Invalid or matched wrongly, and matched rightly once the projector's shadows are lifted."""
     lost_to_exposure: Bool[np.ndarray, "h w"]
-    """Invalid and white, and matched rightly at a shorter exposure."""
+    """White, invalid or matched wrongly, and matched rightly at a shorter exposure."""
     n_frames: int
     """Length of the burst: the noise of a shorter one would differ at the margin."""
 
@@ -61,14 +61,16 @@ def measure_twin(
 
     truth: from the same pose, if it is known already. before_twin: `twin_camera(camera)`, loaded once for many poses.
 
-    What was lost near a shadow is measured again without shadows, and what was lost in white at a shorter exposure.
+    What was lost or matched wrongly near a shadow is measured again without shadows, and what was in white at a shorter
+    exposure.
     """
     truth = truth or camera.truth(T_world_cam)
     twin = before_twin or twin_camera(camera)
     measurement = twin.measure(T_world_cam, n_frames)
     outcome = burst_outcome(twin, measurement, truth)
     places = geometry(camera, truth)
-    lost = outcome.invalid & in_window(camera) & (places.impossible == Cause.MEASURED)
+    lost = ~outcome.right & in_window(camera) & (places.impossible == Cause.MEASURED)
+    lost &= ~is_matched_rightly(twin, measurement, truth)  # what comes back must have been away
     in_shadow = lost & places.near_shadow
     if in_shadow.any():
         in_shadow &= matched_without_shadows(twin, measurement, truth)

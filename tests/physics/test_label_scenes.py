@@ -6,9 +6,10 @@ import pytest
 from materials.catalog import material, matte_twin
 from materials.material import Matte
 from render.d435i import SensorSettings, SimulatedD435i
-from render.labels.causes import Cause, is_of
+from render.labels.causes import Cause, is_hole, is_of
 from render.labels.labels import label_frame
-from render.labels.twin import measure_twin, twin_scene
+from render.labels.twin import measure_twin, twin_camera, twin_scene
+from render.world.truth import looks_at_part
 from scenes.build import part_scene
 from tests.physics import label_scenes as scenes
 from tests.physics.simple_scenes import facing_x
@@ -98,3 +99,29 @@ def test_false_depth_of_a_mirror_is_reflections():
     assert np.count_nonzero(has_depth & wrong) > 200
     assert np.array_equal(labels.false_depth[has_depth], wrong[has_depth])
     assert np.mean(labels.false_by_reflection[has_depth & wrong]) > 0.95
+
+
+def test_no_hole_is_reflections_where_the_twin_is_wrong():
+    """A hole comes back only with *right* depth. Around the edges of a mirror-like part the matte twin often has the
+    depth of what lies beside (foreground fattening), which is no proof against the metal: no pixel whose twin is off by
+    more than 5 mm and three sigma, found here from its raw frames, may be called reflection. It has a cause all the
+    same, and nearly always one that geometry gives. Where the twin is right, every hole of the part that could be
+    measured at all is reflection's."""
+    steel = material("stainless_austenitic:polished")
+    scene = part_scene("C", room=False).with_materials(lambda body: steel if body.is_part else body.material)
+    camera, pose = SimulatedD435i(scene, scenes.WHOLE), scenes.looking_at_the_table(40.0)
+    measurement = camera.measure(pose, 1)
+    labels = label_frame(camera, pose, measurement)
+    true = camera.truth(pose).depth
+    of_twin = twin_camera(camera).measure(pose, 1).depths[0]
+    sigma = true**2 * 0.1 / camera.rig.focal_baseline
+    wrong = (of_twin > 0) & (np.abs(of_twin - true) > np.maximum(0.005, 3 * sigma))
+    lost = (measurement.z16[0] == 0) & wrong & (true > 0)
+    assert np.count_nonzero(lost) > 100
+    assert not is_of(labels.cause[lost], "reflection").any()
+    assert np.all(is_hole(labels.cause[lost]))
+    assert np.mean(labels.cause[lost] == Cause.UNEXPLAINED) < 0.01
+    convicted = (measurement.z16[0] == 0) & (of_twin > 0) & ~wrong & looks_at_part(camera.truth(pose), scene)
+    convicted &= ~np.isin(labels.cause, (Cause.OUT_OF_RANGE, Cause.NO_OVERLAP, Cause.OCCLUSION))
+    assert np.count_nonzero(convicted) > 100
+    assert is_of(labels.cause[convicted], "reflection").all()

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from materials.catalog import TWIN_REFLECTANCE
 from render.depth.decimation import block_centre_intrinsics
 from render.labels.outcome import LEAST_FALSE, SIGMAS, SUBPIXEL_RMS
 from render.world.rig import CAMERA_MODELS
@@ -111,7 +112,15 @@ def _labels(data: Gathered) -> str:
         "Every pixel without depth has exactly one cause. It was found by changing one thing at a time in the "
         "simulation, such as making all surfaces matte, and measuring the same pose again. Depth is false where it is "
         f"off the truth by more than {MM * LEAST_FALSE:g} mm and by more than {SIGMAS:g} standard deviations of the "
-        f"camera's noise, Z^2 x {SUBPIXEL_RMS:g} px / (f B), {sigma:.1f} mm at 0.5 m. The codes of `cause/` and "
+        f"camera's noise, Z^2 x {SUBPIXEL_RMS:g} px / (f B), {sigma:.1f} mm at 0.5 m.\n\n"
+        "A hole is called reflection where the matte twin has right depth at the pixel (the same shapes, lights and "
+        f"pose, every surface that is not matte made matte with albedo {TWIN_REFLECTANCE:g}, the exposure set as for "
+        "any scene), and something that is not matte lies in the matcher's window, or an over-exposure drowns it. "
+        "Where the twin has no depth or a false one, the hole is given to the window, the projector's shadow, the "
+        "exposure or the dots' reach: a matte surface would not be measured there either. So holes along the edges of "
+        "metal are mostly not called reflection, even if metal had a part in them. Left out: second causes of a hole, "
+        "how sure a label is, what flickers from frame to frame, and causes of false depth beyond whether the twin is "
+        "right there. The codes of `cause/` and "
         "`false_depth/`:"
     )
 
