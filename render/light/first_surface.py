@@ -9,13 +9,15 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float32
+from jaxtyping import Bool, Float32, UInt8
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
-from render.light.paths import light_met
+from render.light.lamp_light import light_met
 from render.light.projector import ProjectorLight, fall_off
+from render.light.projector_view import ProjectorView
 from render.light.sampling import SampleSet, sample_means
+from render.light.seen import SeenSurface
 from render.world import backend
 from render.world.mitsuba_scene import LoadedScene
 from render.world.pixel_rays import Imager
@@ -46,6 +48,11 @@ class Dots:
     lamps_seen: Float32[np.ndarray, "h w"]
     """Radiance that comes straight from lamps or from outside the scene, mean over the pixel [W m^-2 sr^-1]."""
 
+    @cached_property
+    def bodies(self) -> UInt8[np.ndarray, "h w n"]:
+        """`body` on the host."""
+        return self.body.numpy().astype(np.uint8).reshape(*self.lamps_seen.shape, self.n)
+
     def on(self, world: LoadedScene) -> tuple[Float32[np.ndarray, "h w"], Bool[np.ndarray, "h w"]]:
         """The dots on the Lambertian surfaces of a scene of this geometry [W m^-2 sr^-1]; which pixels see others."""
         mi = backend.mitsuba()
@@ -63,7 +70,7 @@ class Dots:
         mi = backend.mitsuba()
         import drjit as dr
 
-        albedo = dr.gather(mi.Float, world.albedo_of_body, self.body)
+        albedo = dr.gather(mi.Float, world.reflectances.albedo[0], self.body)
         return dr.select(chosen, albedo * self.cosine * self.white_wall / self.fall_off, 0)
 
 
@@ -78,9 +85,11 @@ class FirstSurface:
     light: ProjectorLight
     intrinsics: Intrinsics
     T_world_imager: RigidTransform
-    lamp_light: dict[tuple[int, int, int], tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
-    """What the lamps' light was for the scene that was rendered last, for `render.light.smooth`: albedo of its points
-    (0 = not Lambertian) and their radiance [W m^-2 sr^-1], by stride, points on every lamp, and seed."""
+    lit: ProjectorView | None = None
+    """What the projector shines on, if somebody else asks for it as well."""
+    lamp_light: dict[tuple[tuple[int, ...], int, int], Float32[np.ndarray, "h w"]] = field(default_factory=dict)
+    """Of the lamps, irradiance over pi [W m^-2 sr^-1], by stride, points on every lamp, and seed; `render.light.smooth`
+    keeps it here."""
     _dots: dict[tuple[int, int], Dots] = field(default_factory=dict)
 
     @property
@@ -97,6 +106,28 @@ class FirstSurface:
     def surface(self) -> SurfaceMap:
         """Along the rays through pixel centres."""
         return surface_map(self.world, self.intrinsics, self.T_world_imager)
+
+    @cached_property
+    def seen_surface(self) -> SeenSurface:
+        """The same, to look points up in."""
+        return SeenSurface(self.imager, self.surface)
+
+    @cached_property
+    def projector_view(self) -> ProjectorView:
+        """What the projector shines on."""
+        return self.lit or ProjectorView(self.world.geometry, self.light)
+
+    @cached_property
+    def dots_unhidden(self) -> Float32[np.ndarray, "h w"]:
+        """Irradiance over pi of the projector's light at every pixel, dots evened out and shadows not regarded [W m^-2
+        sr^-1]."""
+        way = self.light.position.numpy().ravel() - self.surface.position
+        distance2 = np.maximum(np.sum(way**2, axis=-1), 1e-9)
+        facing = np.maximum(np.sum(way * self.surface.normal, axis=-1), 0) / np.sqrt(distance2)
+        axis = self.light.world_to_projector.numpy().reshape(3, 3)[2]
+        cos_axis = np.maximum(-(way @ axis), 0) / np.sqrt(distance2)
+        mean = float(self.light.mean.numpy()[0])
+        return (mean * facing / (np.maximum(cos_axis, 0.3) ** 3 * distance2) * (cos_axis > 0)).astype(np.float32)
 
     def dots(self, n: int, seed: int) -> Dots:
         """At n positions in every pixel, the same in all; the seed picks them."""
@@ -115,8 +146,7 @@ class FirstSurface:
         row = pixel // width
         u, v = (samples.uniform(sample, pixel, d) - 0.5 for d in range(2))
         ray = self.imager.ray(mi.Float(pixel - row * width) + u, mi.Float(row) + v)
-        si = self.world.scene.ray_intersect(ray, mi.RayFlags.All, coherent=True)
-        body = self.world.body(si)
+        si, body = self._met(ray, pixel)
 
         towards, distance2 = self.light.connection(si.p)
         cosine = dr.maximum(dr.dot(si.sh_frame.n, towards) * -dr.sign(dr.dot(si.sh_frame.n, ray.d)), 0)
@@ -131,6 +161,26 @@ class FirstSurface:
         seen = sample_means([lamps_seen], n).reshape(height, width)
         return Dots(n, body, cosine, white_wall, away, hidden, seen)
 
+    def _met(self, ray: Any, pixel: Any) -> tuple[Any, Any]:
+        """Interactions of the rays and their bodies: with the plane that the pixel's middle lies on, where that holds
+        for its neighbours as well, else traced."""
+        mi = backend.mitsuba()
+        import drjit as dr
+
+        even = dr.gather(mi.UInt32, mi.UInt32(self.surface.even.ravel().astype(np.uint32)), pixel) == 1
+        si = self.world.scene.ray_intersect(ray, mi.RayFlags.All, coherent=True, active=~even)
+        point, normal = (
+            dr.gather(mi.Vector3f, mi.Float(a.ravel()), pixel) for a in (self.surface.position, self.surface.normal)
+        )
+        t = dr.dot(mi.Point3f(point) - ray.o, normal) / dr.dot(ray.d, normal)
+        body = dr.gather(mi.UInt32, mi.UInt32(self.surface.body.ravel().astype(np.uint32)), pixel)
+        body = dr.select(even, body, self.world.body(si))
+        si.t = dr.select(even, t, si.t)
+        si.p = dr.select(even, ray.o + ray.d * t, si.p)
+        si.n = dr.select(even, mi.Normal3f(normal), si.n)
+        si.sh_frame.n = dr.select(even, mi.Normal3f(normal), si.sh_frame.n)
+        return si, body
+
 
 @dataclass(frozen=True, eq=False)
 class StereoView:
@@ -143,4 +193,5 @@ class StereoView:
     def at(cls, world: LoadedScene, light: ProjectorLight, rig: Rig, T_world_cam: RigidTransform) -> "StereoView":
         """Of a rig whose left imager stands at `T_world_cam`, before this scene or another one of its geometry."""
         poses = (T_world_cam, rig.right_imager(T_world_cam))
-        return cls(*(FirstSurface(world, light, rig.intrinsics, pose) for pose in poses))
+        lit = ProjectorView(world.geometry, light)
+        return cls(*(FirstSurface(world, light, rig.intrinsics, pose, lit) for pose in poses))

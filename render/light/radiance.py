@@ -7,23 +7,31 @@ No denoiser: it would invent or erase dots.
 """
 
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from jaxtyping import Bool, Float32, Int
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
+from render.light.caustics import Photons, caustics, from_lamps, from_projector
+from render.light.edges import reflected
 from render.light.first_surface import FirstSurface, StereoView
 from render.light.paths import trace_paths
 from render.light.projector import ProjectorLight
 from render.light.sampling import SampleSet, Sampling, sample_means
-from render.light.smooth import SmoothLight, smooth_light
+from render.light.seen import SeenLight
+from render.light.smooth import smooth_light
 from render.world import backend
 from render.world.mitsuba_scene import LoadedScene
+from render.world.radiosity import Closing
 
 PATHS_PER_LAUNCH = 4_000_000
 """Light paths in one kernel launch, which bounds memory (about 200 B a path)."""
+CAUSTIC_BLUR_PX = (0.7, 4.0)
+"""To which caustics of the dots and of lamps are smoothed [px]. Choices: about as much as lens and rectification blur,
+and less than an edge of a lamp's shadow is wide."""
+LAMP_SHARE = 8
+"""Of the projector's photons, the lamps get one in so many (choice: their caustics are as soft as lamps are wide)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +49,7 @@ class RadianceLayers:
     """One imager's radiance image, apart by source, so that laser power and lamps scale without a new rendering.
 
     Transport is linear: the image is projector * power / reference power + ambient. Pixels are boxes; lens, speckle and
-    noise are the imager's. Left out is light that metal throws onto matte surfaces (`render.light.paths`).
+    noise are the imager's.
     """
 
     projector: Float32[np.ndarray, "h w"]
@@ -70,18 +78,19 @@ def render_layers(
     seed: int = 0,
 ) -> RadianceLayers:
     """Render both layers as an ideal imager with box-shaped pixels sees them; one seed, one image."""
-    return _render(world, FirstSurface(world, light, intrinsics, T_world_imager), sampling, seed, None)[0]
+    first = FirstSurface(world, light, intrinsics, T_world_imager)
+    return _Renderer.at(world, first, sampling, seed).render(first)
 
 
 def render_stereo(
     world: LoadedScene, view: StereoView, sampling: Sampling, seed: int = 0
 ) -> tuple[RadianceLayers, RadianceLayers]:
-    """Both imagers' layers. What the left one knows of the smooth light is looked up for the right one.
+    """Both imagers' layers.
 
     view: of this scene, or of another one of the same geometry.
     """
-    left, smooth = _render(world, view.left, sampling, seed, None)
-    return left, _render(world, view.right, sampling, seed, smooth)[0]
+    renderer = _Renderer.at(world, view.left, sampling, seed)
+    return renderer.render(view.left), renderer.render(view.right)
 
 
 def stop_at_first_surface(
@@ -97,77 +106,92 @@ def stop_at_first_surface(
     rendered: by `render_stereo` with the same arguments, which is the caller's word; its glossy paths are used again.
     ValueError for layers that carry none.
     """
-    direct, known, images = replace(sampling, max_depth=1), None, []
+    direct = _Renderer.at(world, view.left, replace(sampling, max_depth=1), seed)
+    images = []
     for first, layers in zip((view.left, view.right), rendered, strict=True):
         if layers.stopped is None:
             raise ValueError("layers without stopped paths; pass what render_stereo returned")
-        radiance, _, known = _of_lambertian(world, first, direct, seed, known)
+        radiance, _, _ = direct.of_lambertian(first)
         radiance.reshape(2, -1)[:, layers.stopped.pixels] = layers.stopped.layers
         images.append(RadianceLayers(radiance[0], radiance[1]))
     return images[0], images[1]
 
 
-def _render(
-    world: LoadedScene, first: FirstSurface, sampling: Sampling, seed: int, known: SmoothLight | None
-) -> tuple[RadianceLayers, SmoothLight | None]:
-    layers, glossy, smooth = _of_lambertian(world, first, sampling, seed, known)
-    pixels = np.flatnonzero(glossy)
-    whole = partial(_whole_paths, world, first, smooth, sampling, seed)
-    paths, variance = whole(pixels, sampling.glossy_paths)
-    noisiest = np.sort(np.argsort(-variance, kind="stable")[: round(sampling.refined_share * len(pixels))])
-    if len(noisiest):
-        paths[:, noisiest], _ = whole(pixels[noisiest], sampling.refined_paths)
-    layers.reshape(2, -1)[:, pixels] = paths[:2]
-    return RadianceLayers(layers[0], layers[1], StoppedPaths(pixels, paths[2:])), smooth
+@dataclass(frozen=True, eq=False)
+class _Renderer:
+    """One scene under one projector, and what both imagers share."""
 
+    world: LoadedScene
+    sampling: Sampling
+    seed: int
+    closing: Closing | None
+    """What paths that end at `Sampling.max_depth` leave out; nothing where only direct light is wanted."""
+    photons: tuple[Photons | None, Photons | None]
+    """Of the projector's and of the lamps' light."""
 
-def _of_lambertian(
-    world: LoadedScene, first: FirstSurface, sampling: Sampling, seed: int, known: SmoothLight | None
-) -> tuple[Float32[np.ndarray, "2 h w"], Bool[np.ndarray, "h w"], SmoothLight | None]:
-    """Both layers of the pixels that see Lambertian surfaces alone, which pixels see others, and the smooth light."""
-    if sampling.whole_paths_everywhere:
-        return np.zeros((2, *first.shape), np.float32), np.ones(first.shape, bool), None
-    dots = first.dots(sampling.subpixels, seed)
-    from_projector, glossy = dots.on(world)
-    smooth = smooth_light(world, first, sampling, seed, known)
-    return np.stack([from_projector, dots.lamps_seen]) + smooth.layers, glossy, smooth
+    @classmethod
+    def at(cls, world: LoadedScene, first: FirstSurface, sampling: Sampling, seed: int) -> "_Renderer":
+        """first: of either imager."""
+        further, view = sampling.max_depth > 1, first.projector_view
+        closing = world.radiosity.closing(view.seen_by_patches) if sampling.closing and further else None
+        most = sampling.photons if further else 0
+        photons = from_projector(world, view, most, seed), from_lamps(world, most // LAMP_SHARE, seed)
+        return cls(world, sampling, seed, closing, photons)
 
+    def render(self, first: FirstSurface) -> RadianceLayers:
+        """One imager's layers."""
+        sampling = self.sampling
+        layers, glossy, smooth = self.of_lambertian(first)
+        pixels = np.flatnonzero(glossy)
+        paths, variance = self._whole_paths(first, smooth, pixels, sampling.glossy_paths)
+        noisiest = np.sort(np.argsort(-variance, kind="stable")[: round(sampling.refined_share * len(pixels))])
+        if len(noisiest):
+            paths[:, noisiest], _ = self._whole_paths(first, smooth, pixels[noisiest], sampling.refined_paths)
+        layers.reshape(2, -1)[:, pixels] = paths[:2]
+        return RadianceLayers(layers[0], layers[1], StoppedPaths(pixels, paths[2:]))
 
-def _whole_paths(
-    world: LoadedScene,
-    first: FirstSurface,
-    smooth: SmoothLight | None,
-    sampling: Sampling,
-    seed: int,
-    pixels: Int[np.ndarray, "p"],
-    n: int,
-) -> tuple[Float32[np.ndarray, "4 p"], Float32[np.ndarray, "p"]]:
-    """Both layers at the given pixels (flat indices) by n full paths each, both of the same paths if they stop at the
-    first surface, and the variance of each pixel's full paths."""
-    mi = backend.mitsuba()
-    import drjit as dr
+    def of_lambertian(
+        self, first: FirstSurface
+    ) -> tuple[Float32[np.ndarray, "2 h w"], Bool[np.ndarray, "h w"], SeenLight | None]:
+        """Both layers of the pixels that see Lambertian surfaces alone, which pixels see others, and the smooth
+        light."""
+        world, sampling = self.world, self.sampling
+        if sampling.whole_paths_everywhere:
+            return np.zeros((2, *first.shape), np.float32), np.ones(first.shape, bool), None
+        dots = first.dots(sampling.subpixels, self.seed)
+        from_projector, glossy = dots.on(world)
+        thrown = [caustics(photons, first, blur) for photons, blur in zip(self.photons, CAUSTIC_BLUR_PX, strict=True)]
+        smooth = smooth_light(world, first, sampling, self.seed, np.stack(thrown), self.closing)
+        light = np.stack([smooth.projector, smooth.lamps + smooth.ambient])
+        albedo = np.stack([lookup.numpy() for lookup in world.reflectances.albedo])
+        layers = reflected(light, albedo, first.surface.body, dots.bodies)
+        return layers + np.stack([from_projector, dots.lamps_seen]), glossy, smooth
 
-    samples = SampleSet.sobol(n, sampling.max_depth, sampling.rotated, seed)
-    moments = np.zeros((5, len(pixels)), np.float32)
-    step, width = max(PATHS_PER_LAUNCH // n, 1), first.shape[1]
-    for start in range(0, len(pixels), step):
-        chosen = mi.UInt32(pixels[start : start + step].astype(np.uint32))
-        index = dr.arange(mi.UInt32, dr.width(chosen) * n)
-        pixel, sample = dr.gather(mi.UInt32, chosen, index // n), index % n
-        row = pixel // dr.opaque(mi.UInt32, width)
-        u = mi.Float(pixel - row * width) + samples.uniform(sample, pixel, 0) - 0.5
-        v = mi.Float(row) + samples.uniform(sample, pixel, 1) - 0.5
-        light = trace_paths(
-            world,
-            first.light,
-            first.imager.ray(u, v),
-            pixel,
-            sample,
-            samples,
-            sampling.max_depth,
-            filtered=sampling.filtered,
-            smooth=smooth.met if smooth else None,
-        )
-        values = [light.projector, light.lamps, light.projector_stopped, light.lamps_stopped]
-        moments[:, start : start + step] = sample_means([*values, dr.square(light.projector + light.lamps)], n)
-    return moments[:4], moments[4] - np.square(moments[:2].sum(axis=0))
+    def _whole_paths(
+        self, first: FirstSurface, smooth: SeenLight | None, pixels: Int[np.ndarray, "p"], n: int
+    ) -> tuple[Float32[np.ndarray, "4 p"], Float32[np.ndarray, "p"]]:
+        """Both layers at the given pixels (flat indices) by n full paths each, both of the same paths if they stop at
+        the first surface, and the variance of each pixel's full paths."""
+        mi = backend.mitsuba()
+        import drjit as dr
+
+        sampling = self.sampling
+        if sampling.max_depth > 1:
+            sampling = replace(sampling, max_depth=sampling.max_depth + sampling.glossy_vertices)
+        samples = SampleSet.sobol(n, sampling.max_depth, sampling.rotated, self.seed)
+        moments = np.zeros((5, len(pixels)), np.float32)
+        step, width = max(PATHS_PER_LAUNCH // n, 1), first.shape[1]
+        for start in range(0, len(pixels), step):
+            chosen = mi.UInt32(pixels[start : start + step].astype(np.uint32))
+            index = dr.arange(mi.UInt32, dr.width(chosen) * n)
+            pixel, sample = dr.gather(mi.UInt32, chosen, index // n), index % n
+            row = pixel // dr.opaque(mi.UInt32, width)
+            u = mi.Float(pixel - row * width) + samples.uniform(sample, pixel, 0) - 0.5
+            v = mi.Float(row) + samples.uniform(sample, pixel, 1) - 0.5
+            ray = first.imager.ray(u, v)
+            light = trace_paths(
+                self.world, first.light, ray, pixel, sample, samples, sampling, seen=smooth, closing=self.closing
+            )
+            values = [light.projector, light.lamps, light.projector_stopped, light.lamps_stopped]
+            moments[:, start : start + step] = sample_means([*values, dr.square(light.projector + light.lamps)], n)
+        return moments[:4], moments[4] - np.square(moments[:2].sum(axis=0))

@@ -12,6 +12,8 @@ from render.world import backend
 
 DIMENSIONS_PIXEL = 2
 """Sample dimensions: position in the pixel."""
+REFERENCE_DEPTH = 12
+"""Vertices of a reference's paths: what is left is 0.6^12, a quarter of a percent of a bright room's light."""
 DIMENSIONS_VERTEX = 6
 """Sample dimensions per vertex: BSDF direction (2), point on lamps (2), BSDF component, lamp. The direction comes
 first, since a Sobol' set is most even in its first dimensions."""
@@ -21,28 +23,39 @@ first, since a Sobol' set is most even in its first dimensions."""
 class Sampling:
     """How many samples are spent where. `make bench` prints how far the defaults are from 1024 samples a pixel.
 
-    They trade time for error alone, but for `max_depth`, which cuts light off, and `filtered`, which blurs mirrored
-    dots.
+    They trade time for error alone, but for `max_depth` without `closing`, which cuts light off, and `filtered`, which
+    blurs mirrored dots.
     """
 
     subpixels: int = 4
     """Positions in a pixel that sees Lambertian surfaces only."""
     lamp_points: int = 16
     """Points on every lamp that light a Lambertian surface."""
-    lamp_stride_px: int = 2
-    """Distance of the pixels at which that light is computed."""
+    lamp_strides_px: tuple[int, ...] = (4, 2, 1)
+    """Distances of the pixels at which that light is computed: the first on even ground, the second where it is steep,
+    finer ones on small surfaces and beside others."""
     glossy_paths: int = 32
     """Paths of a pixel that sees a glossy surface, at first."""
-    refined_share: float = 0.25
+    refined_share: float = 0.125
     """Share of those pixels, the noisiest, that are computed again."""
     refined_paths: int = 128
     """Paths of a pixel that is computed again."""
     indirect_directions: int = 128
     """Directions gathered per interpolation point of the indirect light on Lambertian surfaces."""
-    indirect_stride_px: int = 16
-    """Distance of these interpolation points."""
+    fine_directions: int = 64
+    """The same on the finer grids, whose points serve few pixels each."""
+    indirect_strides_px: tuple[int, ...] = (16, 8, 4, 1)
+    """Distances of these interpolation points: wide grids on even ground, finer ones where light is steep, on
+    small surfaces and beside others."""
+    photons: int = 2**18
+    """Most photons by which dots are found that sharp lobes throw onto Lambertian surfaces; 0 = paths find them."""
     max_depth: int = 3
     """Surface vertices of a path: 1 = direct light only, 3 = two bounces more."""
+    glossy_vertices: int = 2
+    """Further ones of paths from pixels that see a glossy surface, unless there is direct light only: between metals light
+    goes back and forth, while most other paths end where the light is known."""
+    closing: bool = True
+    """Add what paths that end there leave out (`render.world.radiosity`)."""
     filtered: bool = True
     """Look dots behind a glossy vertex up with the footprint of a sample."""
     whole_paths_everywhere: bool = False
@@ -51,15 +64,14 @@ class Sampling:
     """Shift every pixel's samples at random instead of sharing them: the reference."""
 
     def reference(self, paths: int) -> "Sampling":
-        """Plain path tracing with independent pixels and sharp dots, to check the defaults against.
-
-        It goes one vertex farther: light that a path looks up has been reflected once more than light that it finds.
-        """
+        """Plain path tracing with independent pixels and sharp dots, to check the defaults against."""
         return replace(
             self,
             glossy_paths=paths,
             refined_share=0.0,
-            max_depth=self.max_depth + 1,
+            max_depth=REFERENCE_DEPTH,
+            closing=False,
+            photons=0,
             filtered=False,
             whole_paths_everywhere=True,
             rotated=True,

@@ -3,8 +3,8 @@ collapse to visible luminance."""
 
 from typing import Any
 
-from materials.material import Material, Matte, Measured, RoughConductor, RoughPlastic
-from render.world.conductor import conductor_description
+from materials.lights import Band
+from materials.material import Material, Matte, Measured, RoughPlastic
 from render.world.measured_bsdf import measured_description
 
 
@@ -13,8 +13,12 @@ def is_diffuse(material: Material) -> bool:
     return isinstance(material, Matte)
 
 
-def bsdf_description(material: Material) -> dict[str, Any]:
-    """Mitsuba dictionary of the material as seen from its upper side."""
+def bsdf_description(material: Material, band: Band = Band.PROJECTOR) -> dict[str, Any]:
+    """Mitsuba dictionary of a non-metal as seen from its upper side; metals are `render.light.microfacets`.
+
+    band: the light under which a measured file is seen; other materials come with their numbers for it
+    (`materials.bands.in_band`). ValueError for a metal.
+    """
     match material:
         case Matte(reflectance=reflectance):
             return {"type": "diffuse", "reflectance": _constant(reflectance)}
@@ -27,18 +31,9 @@ def bsdf_description(material: Material) -> dict[str, Any]:
                 "diffuse_reflectance": _constant(reflectance),
                 "nonlinear": True,
             }
-        case RoughConductor():
-            return _conductor(material)
         case Measured(path=path):
-            return measured_description(path)
-
-
-def _conductor(metal: RoughConductor) -> dict[str, Any]:
-    bare = conductor_description(metal)
-    if metal.oxide_share == 0:
-        return bare
-    oxide = bsdf_description(Matte("oxide", metal.oxide_reflectance))
-    return {"type": "blendbsdf", "weight": metal.oxide_share, "bare": bare, "oxide": oxide}
+            return measured_description(path, band)
+    raise ValueError(f"{material.name}: metals are formulas of render.light.microfacets, not BSDFs of Mitsuba's")
 
 
 def _constant(value: float) -> dict[str, Any]:

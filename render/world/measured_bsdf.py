@@ -1,10 +1,10 @@
-"""Measured BSDFs of the RGL database at one wavelength. Mitsuba's own `measured` plugin loads no file in one-channel
+"""Measured BSDFs of the RGL database under one light. Mitsuba's own `measured` plugin loads no file in one-channel
 variants: it wants a spectral variant for spectral files and an RGB variant for RGB files.
 
 Same model and same numbers as that plugin: J. Dupuy, W. Jakob, An adaptive parameterization for efficient material
 acquisition and rendering, SIGGRAPH Asia 2018. A uniform sample is warped by the luminance of the lobe, then by the
 visible normals, and becomes a half vector; the measured values are stored over those samples. The spectra are
-interpolated once, at load time.
+summed up once, at load time.
 """
 
 import functools
@@ -14,18 +14,23 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float32
 
+from materials.bands import band_weights
+from materials.lights import Band
 from materials.measured_file import check_measured_file, read_tensor, tensor_fields
 from materials.optical_constants import WAVELENGTH_NM
 from render.world import backend
 
-MEASURED_PLUGIN = "measured_at_wavelength"
+MEASURED_PLUGIN = "measured_under_light"
 
 
-def measured_description(path: Path, wavelength_nm: float = WAVELENGTH_NM) -> dict[str, Any]:
-    """Mitsuba dictionary of a spectral `.bsdf` file; InputError when it is none or does not cover the wavelength."""
-    check_measured_file(path, wavelength_nm)
+def measured_description(path: Path, band: Band = Band.PROJECTOR) -> dict[str, Any]:
+    """Mitsuba dictionary of a spectral `.bsdf` file under a light; InputError when it is none or does not cover 850 nm.
+
+    Of a lamp's spectrum, what the file does not cover counts as the rest (`materials.bands.band_weights`).
+    """
+    check_measured_file(path, WAVELENGTH_NM)
     _register()
-    return {"type": MEASURED_PLUGIN, "filename": str(path), "wavelength_nm": float(wavelength_nm)}
+    return {"type": MEASURED_PLUGIN, "filename": str(path), "band": band.name}
 
 
 def values_at(
@@ -36,6 +41,17 @@ def values_at(
     low, high = wavelengths[upper - 1], wavelengths[upper]
     share = np.float32((wavelength_nm - low) / (high - low))
     return (1 - share) * spectra[:, :, upper - 1] + share * spectra[:, :, upper]
+
+
+def values_under(
+    spectra: Float32[np.ndarray, "phi theta n h w"], wavelengths: Float32[np.ndarray, "n"], band: Band
+) -> Float32[np.ndarray, "phi theta h w"]:
+    """The measured values as the imager weighs them under a light."""
+    places, weights = band_weights(band, (float(wavelengths[0]), float(wavelengths[-1])))
+    total = np.zeros_like(spectra[:, :, 0])
+    for wavelength_nm, weight in zip(places, weights, strict=True):
+        total += np.float32(weight) * values_at(spectra, wavelengths, float(wavelength_nm))
+    return total
 
 
 @functools.cache
@@ -64,8 +80,8 @@ def _plugin_class() -> Any:
     mi = backend.mitsuba()
     import drjit as dr
 
-    class MeasuredAtWavelength(mi.BSDF):
-        """Mitsuba BSDF of a spectral RGL file at one wavelength, as the head of the module tells.
+    class MeasuredUnderLight(mi.BSDF):
+        """Mitsuba BSDF of a spectral RGL file under one light, as the head of the module tells.
 
         The values in the file are linear in wavelength between those stored. One-sided: black from behind.
         """
@@ -80,7 +96,7 @@ def _plugin_class() -> Any:
             # Files of symmetric surfaces store a half or a quarter turn.
             self.turns = 1 if self.isotropic else round(2 * np.pi / float(phi[-1] - phi[0]))
             angles = [phi.tolist(), theta.tolist()]
-            values = values_at(arrays["spectra"], arrays["wavelengths"], float(props["wavelength_nm"]))
+            values = values_under(arrays["spectra"], arrays["wavelengths"], Band[str(props["band"])])
             self.ndf = mi.MarginalContinuous2D0(arrays["ndf"], [], False, False)
             self.sigma = mi.MarginalContinuous2D0(arrays["sigma"], [], False, False)
             self.vndf = mi.MarginalContinuous2D2(arrays["vndf"], angles, True, True)
@@ -145,9 +161,9 @@ def _plugin_class() -> Any:
             """Nothing can be changed after loading."""
 
         def to_string(self) -> str:
-            return "MeasuredAtWavelength[]"
+            return "MeasuredUnderLight[]"
 
-    return MeasuredAtWavelength
+    return MeasuredUnderLight
 
 
 def _direction(theta: Any, phi: Any) -> Any:

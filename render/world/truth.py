@@ -8,8 +8,9 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import project
 from render.world import backend
-from render.world.mitsuba_scene import FIRST_LAMP, NO_BODY, LoadedScene
+from render.world.mitsuba_scene import LoadedScene
 from render.world.rig import Rig
+from render.world.scene_geometry import FIRST_LAMP, NO_BODY
 from render.world.surface import SurfaceMap
 from scenes.scene import Scene
 

@@ -15,6 +15,7 @@ from tests.physics.simple_scenes import facing_x, lamp_at, rectangle, wall
 
 WHITE_WALL_MEAN = 0.3
 """s, the radiance of a white wall at 1 m averaged over the field [W m^-2 sr^-1]; any value serves."""
+TWO_VERTICES = Sampling(max_depth=2, closing=False, indirect_directions=1024)
 
 
 def layers_of(scene, sampling=None, pose=None, profile="424x240"):
@@ -80,7 +81,7 @@ def test_indirect_light_between_two_walls():
     first = wall(1.0).bodies[0]
     lamp = lamp_at([0.9, 0.0, 0.6], [0, 0, 0.6], 0.05, 100.0)
     scene = Scene("two", (first, Body("small", small, Matte("small", 0.8), False)), (lamp,), 0.0)
-    image = layers_of(scene, Sampling(max_depth=2, indirect_directions=1024)).ambient
+    image = layers_of(scene, TWO_VERTICES).ambient
     rng = np.random.default_rng(0)
     expected = _two_bounce_radiance(rng, small, lamp, rho=(0.5, 0.8))
     assert image[120, 212] == pytest.approx(expected, rel=0.05)
