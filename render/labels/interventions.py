@@ -9,7 +9,6 @@ import numpy as np
 from jaxtyping import Bool, Float32
 
 from render.d435i import Measurement, SimulatedD435i
-from render.imager.exposure import auto_exposure
 from render.imager.settings import REFERENCE_LASER_POWER_MW
 from render.labels.infrared import looks_different
 from render.labels.outcome import is_matched_rightly
@@ -39,9 +38,7 @@ def matched_when_exposed_for(
     """Pixels that are matched rightly when exposure and gain are such that the given ones are as bright as an image
     should be on average."""
     left, right = measurement.left_layers, measurement.right_layers
-    exposure_us, gain = auto_exposure(left.projector, left.ambient, measurement.imager, pixels, camera.rig.chip)
-    imager = measurement.imager.model_copy(update={"exposure_us": exposure_us, "gain": gain})
-    again = camera.changed(imager=imager)
+    again = camera.changed(imager=camera.auto_exposed(measurement.T_world_cam, left, measurement.imager, pixels))
     return is_matched_rightly(again, again.expose(measurement.T_world_cam, left, right, len(measurement.z16)), truth)
 
 
@@ -72,8 +69,7 @@ def matched_with_strong_dots(
     left_layers = _strengthened(measurement.left_layers, truth.depth)
     right_layers = _strengthened(measurement.right_layers, right_depth.astype(np.float32))
     if camera.settings.auto_exposure:
-        exposure_us, gain = auto_exposure(left_layers.projector, left_layers.ambient, imager, chip=camera.rig.chip)
-        imager = imager.model_copy(update={"exposure_us": exposure_us, "gain": gain})
+        imager = camera.auto_exposed(pose, left_layers, imager)
     strong = camera.changed(imager=imager)
     return is_matched_rightly(strong, strong.expose(pose, left_layers, right_layers, len(measurement.z16)), truth)
 

@@ -32,7 +32,7 @@ from render.labels.interventions import matched_at_first_surface, matched_with_s
 from render.labels.outcome import blocks, burst_outcome
 from render.labels.twin import MatteTwin, in_window, measure_twin
 from render.world.bsdf import is_diffuse
-from render.world.mitsuba_scene import NO_BODY
+from render.world.scene_geometry import NO_BODY
 from render.world.surface import SurfaceMap
 from render.world.truth import Truth
 

@@ -52,8 +52,8 @@ class Sampling:
     max_depth: int = 3
     """Surface vertices of a path: 1 = direct light only, 3 = two bounces more."""
     glossy_vertices: int = 2
-    """Further ones of paths from pixels that see a glossy surface, unless there is direct light only: between metals light
-    goes back and forth, while most other paths end where the light is known."""
+    """Further ones of paths from pixels that see a glossy surface, unless there is direct light only: between metals
+    light goes back and forth, while most other paths end where the light is known."""
     closing: bool = True
     """Add what paths that end there leave out (`render.world.radiosity`)."""
     filtered: bool = True

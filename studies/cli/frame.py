@@ -14,7 +14,7 @@ from franbv.frames import Intrinsics
 from render.d435i import Measurement, SensorSettings, SimulatedD435i
 from render.depth.decimation import crop_centre
 from render.labels.labels import label_frame
-from render.world.mitsuba_scene import NO_BODY
+from render.world.scene_geometry import NO_BODY
 from render.world.truth import Truth, looks_at_part
 from studies.base.atomic_file import write_atomically
 from studies.base.console import say, say_json, strict_json, warn

@@ -11,7 +11,7 @@ from materials.material import RoughConductor
 from render.d435i import SimulatedD435i
 from render.labels.causes import HOLES, Cause, is_hole
 from render.labels.outcome import blocks
-from render.world.mitsuba_scene import NO_BODY
+from render.world.scene_geometry import NO_BODY
 from render.world.truth import Truth, looks_at_part
 from studies.sensitivity.cases import CaseConfig
 from studies.sensitivity.columns import FALSE_DEPTHS, cause_column

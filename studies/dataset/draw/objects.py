@@ -12,7 +12,7 @@ from scipy.spatial.transform import RigidTransform
 
 from materials.input_error import InputError
 from materials.user_materials import UserMaterials
-from render.world.mitsuba_scene import FIRST_LAMP
+from render.world.scene_geometry import FIRST_LAMP
 from scenes.part_materials import part_materials
 from scenes.parts import part_bodies
 from scenes.pile import surface_samples

@@ -14,7 +14,8 @@ from render.d435i import Measurement, SimulatedD435i
 from render.labels.causes import Cause
 from render.labels.labels import Labels, label_frame
 from render.labels.twin import measure_twin
-from render.world.mitsuba_scene import NO_BODY, LoadedScene
+from render.world.mitsuba_scene import LoadedScene
+from render.world.scene_geometry import NO_BODY
 from render.world.surface import surface_map
 from render.world.truth import Truth
 from studies.dataset.draw.built_scene import BuiltScene, material_class, roughness

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from materials.lights import HALOGEN_TEMPERATURE, Band, black_body, quantum_efficiency
 from render.imager.band_pass import BandPass
 from render.imager.exposure import mean_electrons
 from render.imager.lens import projector_through
@@ -54,3 +55,19 @@ def test_bad_filters_are_refused():
     for wrong in ({"peak_transmission": 1.1}, {"width_nm": 0.0}, {"fwhm_nm": 10.0}):
         with pytest.raises(ValidationError):
             ImagerSettings(band_pass=wrong)
+
+
+def test_the_share_of_halogen_light_is_its_integral():
+    """Electrons of Planck's law, QE and wavelength through the filter, on a grid a hundred times finer."""
+    nm = np.arange(360.0, 1100.0, 0.01)
+    electrons = black_body(HALOGEN_TEMPERATURE, nm) * quantum_efficiency(nm) * nm
+    expected = np.sum(electrons * 0.9 / (1 + np.abs(2 * (nm - 850) / 50) ** 6)) / np.sum(electrons)
+    assert BandPass(width_nm=50.0).passed_share(Band.HALOGEN) == pytest.approx(expected, rel=2e-3)
+
+
+def test_led_light_is_stopped_and_the_projectors_is_not():
+    """The phosphor's Gaussian (580 nm, sigma 70 nm) has fallen below 0.1 % of its peak at 850 nm; a filter beside the
+    projector's line stops that instead."""
+    assert 0 < BandPass(width_nm=50.0).passed_share(Band.WHITE_LED) < 1e-3
+    assert BandPass().passed_share(Band.PROJECTOR) == 0.9
+    assert BandPass(centre_nm=940.0).passed_share(Band.PROJECTOR) < 1e-3
