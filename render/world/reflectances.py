@@ -98,11 +98,6 @@ class Reflectances:
         return self.kind.numpy() == LAMBERTIAN
 
     @property
-    def any_sharp(self) -> bool:
-        """Whether any body has a sharp lobe."""
-        return bool(self.sharp.numpy().any())
-
-    @property
     def has_conductors(self) -> bool:
         """Whether any body is a metal."""
         return any(_kind(material) == CONDUCTOR for material in self.materials)
