@@ -3,7 +3,7 @@
 import sys
 
 from franbv.acquisition import Acquisition
-from franbv.evaluation import quality
+from franbv.evaluation.quality import quality
 from franbv.parameters import Parameters
 from franbv.planners import fra
 from franbv.reconstruction import reconstruct

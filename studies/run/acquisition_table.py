@@ -1,29 +1,50 @@
 """`acquisitions.parquet`: one row per acquisition of a run. The columns, their units and meanings stand here only."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import pyarrow as pa
 
-from franbv.evaluation import TOLERANCE, TOLERANCES
+from franbv.evaluation.coverage import MAP_MEASURE, MEASURES, CoveringSet, Measure
 from studies.store.tables import Column
 
 FIRST, NBV, RECOVERY = "first", "nbv", "recovery"
 """Kinds of acquisition: the given first view, a next best view, a recovery view of a reflective region."""
 
 
-def coverage_column(tolerance: float, filtered: bool = False) -> str:
-    """Name of the coverage at one tolerance [m]: `coverage_2_5mm`, `filtered_coverage_5mm`."""
-    return f"{'filtered_' if filtered else ''}coverage_{1000 * tolerance:g}mm".replace(".", "_")
+MAP_COVERAGE, MAP_INCREMENT = "coverage_map_5mm", "increment_map_5mm"
+"""The headline, by MAP_MEASURE, and what an acquisition changed of it."""
+RAW_COVERAGE = "coverage_5mm"
+"""Of the growing cloud, by RAW_MEASURE."""
+
+_COUNTED_WORDS: dict[CoveringSet, str] = {
+    "raw": "the cloud",
+    "filtered": "the cloud's points in voxels that are occupied after this acquisition",
+    "voxel": "the centres of the object's occupied voxels",
+}
+
+
+def coverage_column(measure: Measure) -> str:
+    """Name of a coverage: `coverage_2_5mm` of the cloud, `filtered_coverage_5mm`, `voxel_coverage_5mm_with_base`."""
+    prefix = "" if measure.counted == "raw" else f"{measure.counted}_"
+    name = f"{prefix}coverage_{1000 * measure.tolerance:g}mm".replace(".", "_")
+    return f"{name}_with_base" if measure.with_base else name
+
+
+def coverage_figures(found: Mapping[Measure, float]) -> dict[str, float]:
+    """Coverages by the names of their columns, the headline first."""
+    return {MAP_COVERAGE: found[MAP_MEASURE], **{coverage_column(m): value for m, value in found.items()}}
 
 
 def _coverages() -> Iterable[Column]:
-    for tolerance in TOLERANCES:
-        meaning = (
-            f"Share of the visible surface within {1000 * tolerance:g} mm of the cloud, after this acquisition [-]"
+    same = f"the same number as {coverage_column(MAP_MEASURE)}"
+    yield Column(MAP_COVERAGE, pa.float64(), f"Coverage of the map at 5 mm, {same} [-]")
+    yield Column(MAP_INCREMENT, pa.float64(), "What this acquisition changed of it; below 0 where it was carved [-]")
+    for measure in MEASURES:
+        surface = "visible surface and the base face" if measure.with_base else "visible surface"
+        near = f"within {1000 * measure.tolerance:g} mm of {_COUNTED_WORDS[measure.counted]}"
+        yield Column(
+            coverage_column(measure), pa.float64(), f"Share of the {surface} {near}, after this acquisition [-]"
         )
-        yield Column(coverage_column(tolerance), pa.float64(), meaning)
-    meaning = "The same at 5 mm, of the points in voxels that are occupied after this acquisition [-]"
-    yield Column(coverage_column(TOLERANCE, filtered=True), pa.float64(), meaning)
 
 
 ACQUISITION_COLUMNS = (

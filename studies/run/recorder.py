@@ -4,22 +4,14 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.spatial import KDTree
 
 from franbv.acquisition import Acquisition, Reconstruction
-from franbv.evaluation import (
-    TOLERANCE,
-    TOLERANCES,
-    History,
-    Quality,
-    Reference,
-    quality,
-    wrongly_free_share,
-    wrongly_occupied_share,
-)
+from franbv.evaluation.coverage import MAP_MEASURE, RAW_MEASURE, CoverageRecord, History, Measure
+from franbv.evaluation.quality import Quality, quality, wrongly_free_share, wrongly_occupied_share
+from franbv.evaluation.reference import Reference
 from franbv.parameters import Parameters
 from franbv.reflective_regions import View, inside_eroded_silhouette, persistent_invalid
-from studies.run.acquisition_table import RECOVERY, coverage_column
+from studies.run.acquisition_table import MAP_COVERAGE, MAP_INCREMENT, RECOVERY, coverage_column, coverage_figures
 from studies.store.images import MM
 from studies.store.views import StoredView, camera_vector
 
@@ -30,32 +22,24 @@ class RunRecorder:
     def __init__(self, reference: Reference, parameters: Parameters) -> None:
         self.rows: list[dict[str, Any]] = []
         self.covered_at: Int[np.ndarray, "m"] = np.full(len(reference.points), -1)
-        """First acquisition after which each reference point is covered at 5 mm, -1 = never."""
-        self._reference = reference
+        """First acquisition after which each reference point is covered by the cloud at 5 mm, -1 = never."""
+        self._coverage = CoverageRecord(reference)
         self._parameters = parameters
-        self._nearest = np.full(len(reference.points), np.inf)
         self._activations = 0
 
     def observe(self, acquisition: Acquisition) -> StoredView:
         """Add the acquisition's row; returns what is stored of its view."""
-        self._update_coverage(acquisition)
+        found = coverage_figures(self._coverage.add(acquisition))
+        self.covered_at[(self.covered_at < 0) & self._coverage.covered(RAW_MEASURE)] = acquisition.index
         self._activations += acquisition.activates
+        before = self.rows[-1][MAP_COVERAGE] if self.rows else 0.0
         view = stored_view(acquisition, self._parameters)
-        self.rows.append(self._row(acquisition, view))
+        self.rows.append(self._row(acquisition, view) | found | {MAP_INCREMENT: found[MAP_COVERAGE] - before})
         return view
 
-    def finished_rows(self, past: History) -> list[dict[str, Any]]:
-        """The rows with the map-filtered coverage, which is found for all acquisitions at once."""
-        column = coverage_column(TOLERANCE, filtered=True)
-        return [row | {column: float(value)} for row, value in zip(self.rows, past.filtered_coverage, strict=True)]
-
-    def _update_coverage(self, acquisition: Acquisition) -> None:
-        if len(acquisition.points):
-            distance, _ = KDTree(acquisition.points).query(
-                self._reference.points, distance_upper_bound=np.nextafter(max(TOLERANCES), 1.0)
-            )
-            self._nearest = np.minimum(self._nearest, distance)
-        self.covered_at[(self.covered_at < 0) & (self._nearest <= TOLERANCE)] = acquisition.index
+    def history(self) -> History:
+        """Coverage of all that was observed."""
+        return self._coverage.history()
 
     def _row(self, a: Acquisition, view: StoredView) -> dict[str, Any]:
         pose = a.burst.T_world_cam
@@ -85,7 +69,6 @@ class RunRecorder:
             "frontier_ellipsoids": int(np.count_nonzero(a.model.ellipsoids.is_frontier)),
             "points": len(a.points),
             "motion_s": a.motion_s,
-            **{coverage_column(t): float(np.mean(self._nearest <= t)) for t in TOLERANCES},
         }
 
 
@@ -118,26 +101,33 @@ def cloud_owner(run: Reconstruction) -> Int[np.ndarray, "n"]:
 
 
 def run_summary(run: Reconstruction, past: History, reference: Reference) -> dict[str, Any]:
-    """The figures of a run; shares as fractions, lengths in millimetres."""
+    """The figures of a run; shares as fractions, lengths in millimetres.
+
+    `recovery_contribution` is what recovery views added to the coverage of the map, as a fraction of the surface; it
+    can be negative. `recovery_gain` is the same of the raw coverage, `recovery_share` that over the final raw one.
+    """
     final = run.acquisitions[-1].model
     occupied = final.object.occupied
     return {
         **_quality_figures(quality(reference, run.cloud), ""),
         **_quality_figures(quality(reference, run.cloud[run.is_mapped]), "filtered_"),
+        **coverage_figures({measure: float(curve[-1]) for measure, curve in past.coverage.items()}),
         "wrongly_free_share": wrongly_free_share(reference, final.voxel_map),
         "wrongly_occupied_share": wrongly_occupied_share(reference, occupied, final.voxel_map.voxel_size),
         "acquisitions": len(run.acquisitions),
         "nbv_iterations": run.acquisitions[-1].nbv_iteration,
         "recovery_activations": past.n_activations,
         "recovery_acquisitions": sum(a.kind == RECOVERY for a in run.acquisitions),
-        "recovery_gain": past.recovery_gain,
+        "recovery_contribution": past.recovery_contribution(MAP_MEASURE),
+        "recovery_gain": past.recovery_contribution(RAW_MEASURE),
         "recovery_share": past.recovery_share,
         "stop": str(run.stop),
     }
 
 
 def _quality_figures(found: Quality, prefix: str) -> dict[str, float]:
-    coverages = {coverage_column(t, filtered=bool(prefix)): found.coverage[t] for t in TOLERANCES}
+    counted = "filtered" if prefix else "raw"
+    coverages = {coverage_column(Measure(counted, t)): share for t, share in found.coverage.items()}
     return coverages | {
         f"{prefix}accuracy_mm": MM * found.accuracy_mean,
         f"{prefix}accuracy_median_mm": MM * found.accuracy_median,

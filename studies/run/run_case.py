@@ -6,7 +6,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import Field, model_validator
 
 from franbv.acquisition import Acquisition, Reconstruction
-from franbv.evaluation import Reference, history
+from franbv.evaluation.reference import Reference
 from franbv.parameters import Parameters
 from franbv.planners import PlannerName
 from franbv.reconstruction import reconstruct
@@ -16,7 +16,7 @@ from studies.base.case_folder import case_digest
 from studies.base.config import Config
 from studies.base.console import progress_bar, strict_json
 from studies.run.ablation import Ablation, build_planner
-from studies.run.acquisition_table import ACQUISITION_COLUMNS
+from studies.run.acquisition_table import ACQUISITION_COLUMNS, MAP_COVERAGE
 from studies.run.bursts import KeptCaptures
 from studies.run.recorder import RunRecorder, cloud_owner, run_summary, surface_arrays, timing_figures
 from studies.run.report.page import write_report
@@ -98,11 +98,11 @@ def write_result(
     recorder: RunRecorder,
 ) -> None:
     """Write everything that two runs of one configuration have in common, byte for byte."""
-    owner, past = cloud_owner(result), history(reference, result.acquisitions)
+    owner, past = cloud_owner(result), recorder.history()
     write_ply(folder / CLOUD, result.cloud, owner)
     write_ply(folder / FILTERED_CLOUD, result.cloud[result.is_mapped], owner[result.is_mapped])
     write_arrays(folder / SURFACE, surface_arrays(reference, recorder))
-    write_rows(folder / ACQUISITIONS, ACQUISITION_COLUMNS, recorder.finished_rows(past))
+    write_rows(folder / ACQUISITIONS, ACQUISITION_COLUMNS, recorder.rows)
     facts: dict[str, Any] = {
         "format": RUN_FORMAT,
         "command": RUN_COMMAND,
@@ -125,7 +125,7 @@ def _observed_run(
 
         def observe(acquisition: Acquisition) -> None:
             write_view(folder, acquisition.index, recorder.observe(acquisition))
-            coverage = 100 * recorder.rows[-1]["coverage_5mm"]
+            coverage = 100 * recorder.rows[-1][MAP_COVERAGE]
             progress.update(
                 task,
                 completed=acquisition.nbv_iteration,

@@ -14,7 +14,7 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import RigidTransform
 
 from franbv.candidates import candidate_poses
-from franbv.evaluation import TOLERANCE
+from franbv.evaluation.reference import TOLERANCE
 from franbv.frames import back_project, look_at, rolled
 from franbv.model import Model, model_with
 from franbv.parameters import Parameters

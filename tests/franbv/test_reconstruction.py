@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from franbv.evaluation import Reference, history, quality
+from franbv.evaluation.coverage import MAP_MEASURE, RAW_MEASURE, history
+from franbv.evaluation.quality import quality
+from franbv.evaluation.reference import Reference
 from franbv.frames import look_at
 from franbv.parameters import Parameters
 from franbv.planners import Recovery, fra, pb
@@ -111,6 +113,35 @@ def test_a_recovery_without_poses_is_no_activation(analytic_camera, free_arm):
     assert any(a.detection and a.detection.boxes for a in run.acquisitions)
     assert not any(a.activates for a in run.acquisitions)
     assert history(_box_reference(), run.acquisitions).n_activations == 0
+
+
+def test_false_depth_that_carves_the_surface_lowers_the_coverage_of_the_map(analytic_camera, free_arm):
+    """The first view sees the top of the box; in all later ones the top mirrors and its depth is 5 cm too far.
+
+    Each such view misses the top's voxels: one hit is worth ln(0.7 / 0.3) = 0.85 and a miss ln(0.4 / 0.6) = -0.41, so
+    three of them make the top free. No false point comes within 5 mm of it, so the cloud's coverage stays as it was.
+    """
+
+    class FalseFromSecondViewOn:
+        def __init__(self):
+            sunk = (BOX[0], (*BOX[1][:2], BOX[1][2] - 0.05))
+            self.true, self.false = analytic_camera((BOX,)), analytic_camera((sunk,))
+            self.intrinsics, self.min_z, self.taken = self.true.intrinsics, self.true.min_z, 0
+
+        def capture(self, T_world_cam, n_frames):
+            self.taken += 1
+            return (self.true if self.taken == 1 else self.false).capture(T_world_cam, n_frames)
+
+    run = reconstruct(FalseFromSecondViewOn(), free_arm(), pb(), PARAMETERS, seed=1)
+    x, y = np.meshgrid(np.linspace(-0.03, 0.03, 25), np.linspace(-0.02, 0.02, 17))
+    top = Reference(np.column_stack([x.ravel(), y.ravel(), np.full(x.size, UPPER[2])]), _box_reference().distance)
+    result = history(top, run.acquisitions)
+    raw, mapped = result.coverage[RAW_MEASURE], result.coverage[MAP_MEASURE]
+    assert raw[0] > 0.5  # rays meet the top 8 x 11 mm apart: discs of 5 mm around them cover most of it
+    assert np.all(raw == raw[0])
+    assert mapped[0] == raw[0]
+    assert result.increments(MAP_MEASURE)[1:].min() < -0.2
+    assert mapped[-1] < 0.05
 
 
 def test_recoveries_belong_to_their_iteration(analytic_camera, free_arm):

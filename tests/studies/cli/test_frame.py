@@ -135,8 +135,9 @@ def test_cad_file_is_reconstructed_from_end_to_end(tmp_path: Path, capsys: pytes
     lines = capsys.readouterr().out.splitlines()
     summary = json.loads(lines[-1])
     promised = (
-        "coverage_5mm filtered_coverage_5mm accuracy_mm f_score acquisitions nbv_iterations recovery_activations "
-        "recovery_share stop planning_s_median sensing_s_median wall_s processor_s"
+        "coverage_map_5mm coverage_5mm filtered_coverage_5mm accuracy_mm f_score acquisitions nbv_iterations "
+        "recovery_activations recovery_contribution recovery_share stop planning_s_median sensing_s_median wall_s "
+        "processor_s"
     )
     assert set(promised.split()) <= summary.keys()
     assert summary["nbv_iterations"] == 1

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
-from franbv.evaluation import Reference
+from franbv.evaluation.reference import Reference
 from franbv.frames import Intrinsics
 from franbv.parameters import Parameters
 from franbv.sensing import DepthBurst

@@ -71,3 +71,22 @@ def test_reference_points_are_uniform_over_the_visible_sides():
     assert np.mean(on_top) == pytest.approx(share, abs=4 * np.sqrt(share * (1 - share) / N_REFERENCE))
     above = np.array([[0.0, 0.0, 0.09], [0.02, -0.03, 0.1]])
     assert reference.distance(above) == pytest.approx([0.01, 0.02], abs=5e-5)
+
+
+def test_base_is_the_face_that_a_block_stands_on_and_as_dense_as_the_rest():
+    """A block of 160 x 100 x 40 mm upright: 488 cm^2 seen, 40 cm^2 base, so 10,000 points that are seen and 820."""
+    block = moved(box((0.1, 0.04, 0.16)), RigidTransform.from_translation([0, 0, 0.08]))
+    scene = Scene("block", (Body("block", block, MATTE, is_part=True),), (), 0.0)
+    reference = reference_surface(scene, lambda points, normals: normals[:, 2] > -0.5)
+    assert len(reference.points) == N_REFERENCE
+    expected = N_REFERENCE * 40 / 488
+    assert len(reference.base) == pytest.approx(expected, abs=4 * np.sqrt(expected))
+    assert np.all(reference.base[:, 2] == 0)
+
+
+def test_what_stands_on_no_face_has_hardly_a_base():
+    """By height (Archimedes) 1 - 0.99 of half a ball faces down within 8 deg, and 3/4 of the ball is seen here."""
+    scene = coupon_scene("ball", MATTE, room=False)
+    reference = reference_surface(scene, lambda points, normals: normals[:, 2] > -0.5)
+    expected = N_REFERENCE * (0.01 / 2) / 0.75
+    assert len(reference.base) == pytest.approx(expected, abs=4 * np.sqrt(expected))

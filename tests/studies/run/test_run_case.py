@@ -123,6 +123,16 @@ def test_coverage_is_that_of_brute_force(case: Path):
         assert np.mean((covered_at >= 0) & (covered_at <= k)) == pytest.approx(row["coverage_5mm"], abs=1e-12)
 
 
+def test_coverage_of_the_map_is_that_of_the_mapped_cloud(case: Path):
+    """After the last acquisition: the stored map-filtered cloud against the stored surface, by all pairs."""
+    stored = StoredRun(case)
+    mapped, _ = read_ply(case / "cloud_filtered.ply")
+    distance = np.linalg.norm(stored.surface[0][:, None] - mapped[None].astype(np.float32), axis=-1).min(axis=1)
+    edge = 2 / len(distance)  # float32
+    assert stored.rows[-1]["coverage_map_5mm"] == pytest.approx(np.mean(distance <= 0.005), abs=edge)
+    assert stored.rows[-1]["filtered_coverage_7_5mm"] == pytest.approx(np.mean(distance <= 0.0075), abs=edge)
+
+
 def test_cloud_lies_on_the_ball(case: Path):
     """Every stored point that is clearly above the table is on the sphere, to the camera's 0.5 mm noise."""
     cloud, _ = StoredRun(case).cloud
@@ -142,6 +152,11 @@ def test_summary_agrees_with_table_and_closed_form(case: Path):
     coverage = np.array([0.0] + [row["coverage_5mm"] for row in rows])
     recovered = sum(step for step, row in zip(np.diff(coverage), rows, strict=True) if row["kind"] == "recovery")
     assert summary["recovery_share"] == pytest.approx(recovered / coverage[-1])
+    mapped = np.array([0.0] + [row["coverage_map_5mm"] for row in rows])
+    assert summary["coverage_map_5mm"] == mapped[-1]
+    assert np.allclose([row["increment_map_5mm"] for row in rows], np.diff(mapped), atol=1e-12)
+    brought = sum(row["increment_map_5mm"] for row in rows if row["kind"] == "recovery")
+    assert summary["recovery_contribution"] == pytest.approx(brought)
     assert summary["recovery_activations"] == sum(row["recovery_poses"] is not None for row in rows) > 0
     assert summary["acquisitions"] == len(rows)
     assert summary["nbv_iterations"] == sum(row["kind"] == "nbv" for row in rows)
