@@ -123,7 +123,7 @@ class CoverageRecord:
         return self._rows[-1]
 
     def covered(self, measure: Measure) -> Bool[np.ndarray, "n"]:
-        """Which reference points are covered now: the visible ones, and those of the base where the measure has it."""
+        """Which reference points are covered now: the visible ones, then those of the base where the measure has it."""
         covered = self._near[measure.counted].within(measure.tolerance)
         return covered if measure.with_base else covered[: self._n_seen]
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Int, Shaped
 
 from franbv.acquisition import Acquisition, Reconstruction
 from franbv.evaluation.coverage import MAP_MEASURE, RAW_MEASURE, CoverageRecord, History, Measure
@@ -23,6 +23,8 @@ class RunRecorder:
         self.rows: list[dict[str, Any]] = []
         self.covered_at: Int[np.ndarray, "m"] = np.full(len(reference.points), -1)
         """First acquisition after which each reference point is covered by the cloud at 5 mm, -1 = never."""
+        self.covered: list[Bool[np.ndarray, "m"]] = []
+        """Whether each is covered in the map after each acquisition."""
         self._coverage = CoverageRecord(reference)
         self._parameters = parameters
         self._activations = 0
@@ -31,6 +33,7 @@ class RunRecorder:
         """Add the acquisition's row; returns what is stored of its view."""
         found = coverage_figures(self._coverage.add(acquisition))
         self.covered_at[(self.covered_at < 0) & self._coverage.covered(RAW_MEASURE)] = acquisition.index
+        self.covered.append(self._coverage.covered(MAP_MEASURE)[: len(self.covered_at)])
         self._activations += acquisition.activates
         before = self.rows[-1][MAP_COVERAGE] if self.rows else 0.0
         view = stored_view(acquisition, self._parameters)
@@ -147,6 +150,10 @@ def timing_figures(times: list[dict[str, float]], wall_s: float, processor_s: fl
     }
 
 
-def surface_arrays(reference: Reference, recorder: RunRecorder) -> dict[str, Float[np.ndarray, "..."]]:
-    """The reference points [m] and when each was covered."""
-    return {"points": reference.points.astype(np.float32), "covered_at": recorder.covered_at.astype(np.int16)}
+def surface_arrays(reference: Reference, recorder: RunRecorder) -> dict[str, Shaped[np.ndarray, "..."]]:
+    """The visible reference points [m], when the cloud first covered each, and which the map covers at what time."""
+    return {
+        "points": reference.points.astype(np.float32),
+        "covered_at": recorder.covered_at.astype(np.int16),
+        "covered": np.packbits(recorder.covered, axis=1),
+    }

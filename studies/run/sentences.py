@@ -21,8 +21,8 @@ def run_paragraph(run: Mapping[str, Any], timings: Mapping[str, Any]) -> str:
     planner = PLANNERS[name].words if name in PLANNERS else name
     effort = f"{counted(s['acquisitions'], 'acquisition')} in {counted(s['nbv_iterations'], 'NBV iteration')}"
     sentences = [
-        f"{planner} took {effort} and reconstructed {percent(s['coverage_5mm'])} of the visible surface to within 5 mm "
-        f"({percent(s['filtered_coverage_5mm'])} when only points in occupied voxels count).",
+        f"{planner} took {effort}, after which the map holds {percent(s['coverage_map_5mm'])} of the visible surface "
+        f"to within 5 mm ({percent(s['coverage_5mm'])} if all points ever seen count, refuted ones too).",
         f"The cloud lies {millimetre_words(s['accuracy_mm'])} off the true surface on average, "
         f"{millimetre_words(s['accuracy_median_mm'])} in the median; "
         f"its F-score is {number(s['f_score'], '.2f')} at 5 mm.",
@@ -35,7 +35,8 @@ def run_paragraph(run: Mapping[str, Any], timings: Mapping[str, Any]) -> str:
 def _recovery_sentence(summary: Mapping[str, Any]) -> str:
     if not summary["recovery_activations"]:
         return "No reflective region started a recovery."
+    change = 100 * summary["recovery_contribution"]
     return (
         f"Reflective regions started {counted(summary['recovery_activations'], 'recovery', 'recoveries')}, "
-        f"whose views brought {percent(summary['recovery_share'])} of that coverage."
+        f"whose views {'added' if change >= 0 else 'cost'} {abs(change):.1f} points of the map's coverage."
     )

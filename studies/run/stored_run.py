@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Int, UInt8
+from jaxtyping import Bool, Float, Int, UInt8
 
 from materials.input_error import InputError
 from studies.base.latest import LATEST
@@ -70,11 +70,18 @@ class StoredRun:
         return rows
 
     @cached_property
-    def surface(self) -> tuple[Float[np.ndarray, "m 3"], Int[np.ndarray, "m"]]:
-        """Reference points [m] and the first acquisition after which each is covered within 5 mm, -1 = never."""
+    def surface(self) -> tuple[Float[np.ndarray, "m 3"], Bool[np.ndarray, "k m"]]:
+        """Visible reference points [m], and whether the map covers each after each acquisition."""
         with reading(self.folder / SURFACE, MEND):
             arrays = read_arrays(self.folder / SURFACE)
-            return arrays["points"], arrays["covered_at"]
+            points = arrays["points"]
+            return points, np.unpackbits(arrays["covered"], axis=1, count=len(points)).astype(bool)
+
+    @cached_property
+    def first_covered(self) -> Int[np.ndarray, "m"]:
+        """First acquisition after which the cloud covers each of these points within 5 mm, -1 = never."""
+        with reading(self.folder / SURFACE, MEND):
+            return read_arrays(self.folder / SURFACE)["covered_at"]
 
     @cached_property
     def cloud(self) -> tuple[Float[np.ndarray, "n 3"], Int[np.ndarray, "n"]]:

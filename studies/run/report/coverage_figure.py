@@ -7,7 +7,7 @@ from typing import Any
 from markupsafe import Markup
 
 from studies.drawing import svg
-from studies.run.acquisition_table import FIRST, RECOVERY
+from studies.run.acquisition_table import FIRST, MAP_COVERAGE, MAP_INCREMENT, RAW_COVERAGE, RECOVERY
 
 COVERAGE_PLOT = svg.Plot(width=1160, height=404, left=52, right=948, top=74, bottom=348)
 """Edges of the plot inside the drawing [px]; the labels of the curves stand to its right."""
@@ -16,7 +16,7 @@ AcquisitionRows = Sequence[Mapping[str, Any]]
 
 
 def coverage_figure(rows: AcquisitionRows) -> Markup:
-    """Raw and map-filtered coverage at 5 mm and raw coverage at 2.5 mm after each acquisition."""
+    """Coverage of the map and of the raw cloud, both at 5 mm, after each acquisition."""
     x = svg.Scale(0.5, len(rows) + 0.5, COVERAGE_PLOT.left, COVERAGE_PLOT.right)
     y = svg.Scale(0, 100, COVERAGE_PLOT.bottom, COVERAGE_PLOT.top)
     ticks = [t for t in svg.round_ticks(1, max(len(rows), 2), 12) if t >= 1 and t == int(t)]
@@ -77,12 +77,8 @@ def _iteration_marks(rows: AcquisitionRows, x: svg.Scale) -> Markup:
 
 
 def _curves(rows: AcquisitionRows, x: svg.Scale, y: svg.Scale) -> list[Markup]:
-    """The three curves with their names at the right end, moved apart where they would overlap."""
-    wanted = (
-        ("coverage_5mm", "curve", "within 5 mm"),
-        ("filtered_coverage_5mm", "curve filtered", "same, filtered"),
-        ("coverage_2_5mm", "curve fine", "within 2.5 mm"),
-    )
+    """The curves with their names at the right end, moved apart where they would overlap."""
+    wanted = ((MAP_COVERAGE, "curve", "in the map"), (RAW_COVERAGE, "curve raw", "in the raw cloud"))
     pieces, labels = [], []
     for column, klass, name in wanted:
         values = [100 * row[column] for row in rows]
@@ -96,15 +92,13 @@ def _curves(rows: AcquisitionRows, x: svg.Scale, y: svg.Scale) -> list[Markup]:
 
 
 def _marks(rows: AcquisitionRows, x: svg.Scale, y: svg.Scale) -> Markup:
-    """One dot per acquisition on the 5 mm curve, coloured by its kind."""
+    """One dot per acquisition on the map's curve, coloured by its kind."""
     dots = []
-    before = 0.0
     for k, row in enumerate(rows):
-        value = 100 * row["coverage_5mm"]
+        value, change = 100 * row[MAP_COVERAGE], 100 * row[MAP_INCREMENT]
         kind = {FIRST: "first view", RECOVERY: f"recovery view, activation {row['activation']}"}.get(
             row["kind"], f"next best view, iteration {row['iteration']}"
         )
         dot = svg.element("circle", cx=x(k + 1), cy=y(value), r=4.5, klass=f"dot {row['kind']}")
-        dots.append(svg.marked(dot, f"Acquisition {k + 1}, {kind}: {value:.1f} % ({value - before:+.1f})"))
-        before = value
+        dots.append(svg.marked(dot, f"Acquisition {k + 1}, {kind}: {value:.1f} % ({change:+.1f})"))
     return svg.join(*dots)

@@ -1,7 +1,6 @@
 """Puts the report of a reconstruction together: figures, strips, tables and words into one HTML file."""
 
 from collections.abc import Iterator, Mapping
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,7 @@ from studies.base.atomic_file import write_atomically
 from studies.base.numbers_as_text import number, percent
 from studies.base.output_errors import output_errors
 from studies.drawing.templates import asset, environment, page_style
-from studies.run.acquisition_table import RECOVERY
+from studies.run.acquisition_table import MAP_COVERAGE, RAW_COVERAGE, RECOVERY
 from studies.run.report.coverage_figure import coverage_figure
 from studies.run.report.scene_payload import scene_payload
 from studies.run.report.strip import strip
@@ -43,9 +42,7 @@ def report_html(stored: StoredRun) -> str:
             paragraph=run_paragraph(run, stored.timings),
             tiles=list(run_tiles(run["summary"], stored.timings)),
             coverage=coverage_figure(rows),
-            acquisitions=[
-                (row, picture, gain) for row, picture, gain in zip(rows, strips, coverage_gains(rows), strict=True)
-            ],
+            acquisitions=list(zip(rows, strips, strict=True)),
             recoveries=sum(row["kind"] == RECOVERY for row in rows),
             sensing=timing_figure(stages, [SENSING], "Sensing [s]"),
             planning=timing_figure(stages, [name for name in stage_names(stages) if name != SENSING], "Planning [s]"),
@@ -61,8 +58,8 @@ def report_html(stored: StoredRun) -> str:
 
 def run_tiles(summary: Mapping[str, Any], timings: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
     """Headline figures: value, name, what it is measured against."""
-    yield percent(summary["coverage_5mm"]), "coverage", "visible surface within 5 mm of the cloud"
-    yield percent(summary["filtered_coverage_5mm"]), "filtered coverage", "same, only points in occupied voxels"
+    yield percent(summary[MAP_COVERAGE]), "coverage of the map", "visible surface that the final map holds, at 5 mm"
+    yield percent(summary[RAW_COVERAGE]), "raw coverage", "the same by all points ever seen, refuted ones too"
     yield (
         f"{number(summary['accuracy_mm'], '.1f')} mm",
         "accuracy",
@@ -70,17 +67,11 @@ def run_tiles(summary: Mapping[str, Any], timings: Mapping[str, Any]) -> Iterato
     )
     yield number(summary["f_score"], ".2f"), "F-score", "coverage against share of true points, at 5 mm"
     yield str(summary["acquisitions"]), "acquisitions", f"in {summary['nbv_iterations']} NBV iterations"
-    share = percent(summary["recovery_share"])
+    change = f"{100 * summary['recovery_contribution']:+.1f}"
     activations = summary["recovery_activations"]
     name = "recovery activation" if activations == 1 else "recovery activations"
-    yield str(activations), name, f"their views brought {share} of the coverage"
+    yield str(activations), name, f"their views: {change} points of the map's coverage"
     yield f"{timings['wall_s']:.0f} s", "wall time", "sensor simulation, planning and evaluation"
-
-
-def coverage_gains(rows: list[dict[str, Any]]) -> list[float]:
-    """Coverage that each acquisition added at 5 mm [-]."""
-    values = [0.0, *(row["coverage_5mm"] for row in rows)]
-    return [after - before for before, after in pairwise(values)]
 
 
 def flattened(config: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:

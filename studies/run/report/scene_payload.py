@@ -8,9 +8,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from studies.base.console import strict_json
+from studies.run.acquisition_table import MAP_COVERAGE
 from studies.store.views import StoredView
 
 UNIT = 1e-4
@@ -27,20 +28,23 @@ def scene_payload(
     cloud: Float[np.ndarray, "n 3"],
     cloud_acquisition: Int[np.ndarray, "n"],
     surface: Float[np.ndarray, "m 3"],
-    surface_covered_at: Int[np.ndarray, "m"],
+    surface_covered: Bool[np.ndarray, "k m"],
 ) -> str:
     """JSON for the viewer.
 
     cloud, cloud_acquisition: the points [m] and the acquisition that saw each.
-    surface, surface_covered_at: reference points [m] and the first acquisition after which each is covered, -1 = never.
+    surface, surface_covered: reference points [m], and whether the map covers each after each acquisition.
     """
     step = max(1, -(-len(cloud) // MOST_POINTS))
     return strict_json(
         {
             "unit": UNIT,
             "cloud": {"at": packed(cloud[::step]), "acquisition": packed(cloud_acquisition[::step], 1.0)},
-            "surface": {"at": packed(surface), "acquisition": packed(surface_covered_at, 1.0)},
-            "views": [_view(row, view) for row, view in zip(rows, views, strict=True)],
+            "surface": {"at": packed(surface)},
+            "views": [
+                _view(row, view) | {"covered": base64.b64encode(np.packbits(covered).tobytes()).decode()}
+                for row, view, covered in zip(rows, views, surface_covered, strict=True)
+            ],
         }
     ).replace("</", "<\\/")  # nothing may end the script element early
 
@@ -56,7 +60,7 @@ def _view(row: Mapping[str, Any], view: StoredView) -> dict[str, Any]:
         "kind": row["kind"],
         "iteration": row["iteration"],
         "activation": row["activation"],
-        "coverage": round(row["coverage_5mm"], 5),
+        "coverage": round(row[MAP_COVERAGE], 5),
         "camera": packed(frustum(view)),
         "ellipsoids": packed(ellipsoid_rows(view)),
         "frontier": [int(is_frontier) for is_frontier in view.ellipsoid_is_frontier],

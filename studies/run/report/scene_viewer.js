@@ -14,15 +14,14 @@
   const KIND = { first: "#23262b", nbv: "#2c6cb0", recovery: "#d97b16" };
   const KIND_NAME = { first: "first view", nbv: "next best view", recovery: "recovery view" };
 
-  function counts(text) {
-    const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-    return new Int16Array(bytes.buffer);
-  }
+  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  const counts = (text) => new Int16Array(bytes(text).buffer);
   const metres = (text) => Float32Array.from(counts(text), (n) => n * data.unit);
   const cloud = { at: metres(data.cloud.at), acquisition: counts(data.cloud.acquisition) };
-  const surface = { at: metres(data.surface.at), acquisition: counts(data.surface.acquisition) };
+  const surface = { at: metres(data.surface.at) };
   const views = data.views.map((view) => ({
     ...view, camera: metres(view.camera), ellipsoids: metres(view.ellipsoids), regions: metres(view.regions),
+    covered: bytes(view.covered), // a bit a surface point, the highest of a byte first
   }));
 
   const at = (array, k) => [array[3 * k], array[3 * k + 1], array[3 * k + 2]];
@@ -81,8 +80,8 @@
     const columns = Math.ceil(width / CELL), front = new Float32Array(columns * Math.ceil(height / CELL)).fill(-Infinity);
     const points = [];
     for (const { set, colour, side } of sets) {
-      for (let k = 0; k < set.acquisition.length; k++) {
-        const paint = colour(set.acquisition[k]);
+      for (let k = 0; k < set.at.length / 3; k++) {
+        const paint = colour(k);
         if (!paint) continue;
         const [x, y, depth] = flat(at(set.at, k));
         if (x < 0 || y < 0 || x >= width || y >= height) continue;
@@ -173,10 +172,11 @@
     const now = Number(slider.value) - 1, view = views[now];
     pen.clearRect(0, 0, width, height);
     if (layers.table.checked) drawTable();
-    const seen = (k) => k >= 0 && k <= now;
-    const sets = [{ set: surface, side: 3, colour: (k) => (seen(k) ? layers.covered.checked && COVERED : layers.missing.checked && MISSING) }];
+    const covered = (k) => (view.covered[k >> 3] >> (7 - (k & 7))) & 1;
+    const sets = [{ set: surface, side: 3, colour: (k) => (covered(k) ? layers.covered.checked && COVERED : layers.missing.checked && MISSING) }];
     if (layers.cloud.checked) {
-      sets.push({ set: cloud, side: 2.4, colour: (k) => (seen(k) ? (k === now ? KIND[views[k].kind] : CLOUD) : null) });
+      const age = (k) => now - cloud.acquisition[k];
+      sets.push({ set: cloud, side: 2.4, colour: (k) => (age(k) < 0 ? null : age(k) ? CLOUD : KIND[view.kind]) });
     }
     drawPoints(sets);
     drawEllipsoids(view);

@@ -46,7 +46,7 @@ def test_page_is_silent_offline_and_alive(case: Path, tmp_path: Path):
     caption = re.search(r'class="scene-caption">([^<]*)<', seen.dom)
     assert caption is not None
     assert caption[1].startswith(f"Acquisition {len(rows)} of {len(rows)}: ")
-    assert f"Coverage {100 * rows[-1]['coverage_5mm']:.1f} %" in caption[1]
+    assert f"Coverage {100 * rows[-1]['coverage_map_5mm']:.1f} %" in caption[1]
 
 
 @pytest.mark.browser
@@ -105,12 +105,12 @@ def test_text_from_outside_is_escaped(case: Path):
 
 
 def test_headline_says_what_the_table_says(case: Path):
-    """The words carry the last row's coverage, the count of rows and of recoveries."""
+    """The words carry the last row's coverage of the map and the raw one, the count of rows and of recoveries."""
     stored = StoredRun(case)
     words = run_paragraph(stored.run, stored.timings)
-    assert f"{100 * stored.rows[-1]['coverage_5mm']:.1f} % of the visible surface" in words
+    assert f"{100 * stored.rows[-1]['coverage_map_5mm']:.1f} % of the visible surface" in words
     assert f"{len(stored.rows)} acquisitions" in words
-    assert f"{100 * stored.rows[-1]['filtered_coverage_5mm']:.1f} %" in words
+    assert f"{100 * stored.rows[-1]['coverage_5mm']:.1f} %" in words
     assert "\n" not in words
 
 

@@ -115,7 +115,7 @@ def test_coverage_is_that_of_brute_force(case: Path):
     """Share of reference points with a point of the cloud so far within 5 mm, by all pairs of distances."""
     stored = StoredRun(case)
     cloud, seen_by = stored.cloud
-    points, covered_at = stored.surface
+    points, covered_at = stored.surface[0], stored.first_covered
     distance = np.linalg.norm(points[:, None].astype(np.float32) - cloud[None].astype(np.float32), axis=-1)
     for k, row in enumerate(stored.rows):
         covered = (distance[:, seen_by <= k] <= 0.005).any(axis=1)
@@ -129,6 +129,7 @@ def test_coverage_of_the_map_is_that_of_the_mapped_cloud(case: Path):
     mapped, _ = read_ply(case / "cloud_filtered.ply")
     distance = np.linalg.norm(stored.surface[0][:, None] - mapped[None].astype(np.float32), axis=-1).min(axis=1)
     edge = 2 / len(distance)  # float32
+    assert np.mean(stored.surface[1], axis=1) == pytest.approx([row["coverage_map_5mm"] for row in stored.rows])
     assert stored.rows[-1]["coverage_map_5mm"] == pytest.approx(np.mean(distance <= 0.005), abs=edge)
     assert stored.rows[-1]["filtered_coverage_7_5mm"] == pytest.approx(np.mean(distance <= 0.0075), abs=edge)
 
