@@ -36,14 +36,32 @@ class CaseCommand(Generic[Settings]):
     """Print one JSON object as the last line of stdout."""
 
 
+@dataclass(frozen=True)
+class StartsCommand(CaseCommand[Settings]):
+    """A command that makes one case, or one for each of many starts."""
+
+    starts: Annotated[int, tyro.conf.arg(metavar="N")] = 1
+    """Runs from N first views around the part, 360 / N deg apart, and their mean and spread: one run says little. The
+    seeds are made from --seed and the azimuths."""
+    workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Worker processes for many starts; the default is one for each processor."""
+
+
+AnyCommand = TypeVar("AnyCommand", bound=CaseCommand)
+
+
 def parse_case_command(settings: type[Settings], args: list[str], prog: str, help_text: str) -> CaseCommand[Settings]:
     """The command that `args` spell; its `--config` file, if any, stands in for the defaults of `settings`."""
+    return parse_wider_command(CaseCommand[settings], settings, args, prog, help_text)
+
+
+def parse_wider_command(
+    model: type[AnyCommand], settings: type[BaseModel], args: list[str], prog: str, help_text: str
+) -> AnyCommand:
+    """The same of a command that has flags beside those of every case: `model` adds them to `CaseCommand[settings]`."""
     file = _value_of("--config", args)
-    default = CaseCommand(
-        settings=load_config(settings, Path(file)) if file else settings(),
-        out=tyro.MISSING,
-    )
-    command = parse(CaseCommand[settings], _gathered(REPEATABLE, args), prog, help_text, default)
+    default = model(settings=load_config(settings, Path(file)) if file else settings(), out=tyro.MISSING)
+    command = parse(model, _gathered(REPEATABLE, args), prog, help_text, default)
     check_finite(command.settings, "the flags")
     return command
 

@@ -1,27 +1,56 @@
-"""`franbv reconstruct`: a part from the first view to the last, its result and its report."""
+"""`franbv reconstruct`: a part from the first view to the last, its result and its report; once or from many starts."""
 
+from materials.input_error import InputError
 from studies.base.console import say, say_json, warn
-from studies.base.flags import parse_case_command
+from studies.base.flags import StartsCommand, parse_wider_command
+from studies.base.output_errors import prepare_output
 from studies.base.single_case import made_once
+from studies.cli.report import STUDIES
 from studies.run.reconstruct import ReconstructSettings, check_workspace, resolved_run, simulate
 from studies.run.run_case import RUN_COMMAND
-from studies.run.scene_settings import build_subject
+from studies.run.scene_settings import Subject, build_subject
 from studies.run.sentences import run_paragraph
+from studies.run.starts.page import rebuild
+from studies.run.starts.runs import finished_starts, make_starts, spread_starts, write_starts
+from studies.run.starts.summary import starts_json, starts_paragraph
 from studies.run.stored_run import ACQUISITIONS, CLOUD, FILTERED_CLOUD, REPORT, RUN, TIMINGS, StoredRun
+from studies.work.executor import exit_status
 
 FILES = (REPORT, RUN, ACQUISITIONS, TIMINGS, CLOUD, FILTERED_CLOUD)
 """What the output folder itself shows of the case."""
 
+_PROGRAM = f"franbv {RUN_COMMAND}"
 _HELP = "Reconstruct a part with a next-best-view planner, from the first view until a stop rule ends the run."
+
+
+ReconstructCommand = StartsCommand[ReconstructSettings]
+"""The flags of `franbv reconstruct`."""
 
 
 def run(args: list[str]) -> int:
     """Reconstruct, unless the finished case is there already; then say what was reached."""
-    command = parse_case_command(ReconstructSettings, args, f"franbv {RUN_COMMAND}", _HELP)
+    command = parse_wider_command(ReconstructCommand, ReconstructSettings, args, _PROGRAM, _HELP)
+    check_starts(command)
     subject = build_subject(command.settings)
     flatness = check_workspace(subject.scene, command.settings.parameters)
     for notice in (*subject.notices, *flatness):
-        warn(f"franbv {RUN_COMMAND}: {notice}")
+        warn(f"{_PROGRAM}: {notice}")
+    return run_once(command, subject) if command.starts == 1 else run_starts(command, subject)
+
+
+def check_starts(command: ReconstructCommand) -> None:
+    """InputError for a number of starts that there cannot be, and for a folder that belongs to something else."""
+    if command.starts < 1:
+        raise InputError(f"--starts {command.starts}: there must be a run to make; give 1 or more")
+    if command.starts == 1 and command.workers is not None:
+        raise InputError("--workers is for many starts; give --starts as well, or leave it out")
+    for name in STUDIES:
+        if command.starts > 1 and (command.out / name).exists():
+            raise InputError(f"{command.out}: holds a study ({name}); choose another --out for the starts")
+
+
+def run_once(command: ReconstructCommand, subject: Subject) -> int:
+    """One run from the start that the settings name."""
     config = resolved_run(command.settings)
     case, found = made_once(RUN_COMMAND, config, command.out, FILES, lambda folder: simulate(folder, config, subject))
     stored = StoredRun(case)
@@ -31,3 +60,19 @@ def run(args: list[str]) -> int:
         timings = {key: value for key, value in stored.timings.items() if key != "acquisitions"}
         say_json({"folder": str(case), **stored.run["summary"], **timings})
     return 0
+
+
+def run_starts(command: ReconstructCommand, subject: Subject) -> int:
+    """The starts that are missing, then words and page over all of them; exit status 1 when some were given up."""
+    config = resolved_run(command.settings)
+    starts = spread_starts(config, command.starts)
+    prepare_output(command.out)
+    write_starts(command.out, config, command.starts)
+    failures = make_starts(command.out, command.settings, starts, command.workers, _PROGRAM)
+    finished = finished_starts(command.out, starts)
+    report = rebuild(command.out)
+    say(f"{subject.title}: {starts_paragraph(finished, command.starts)}\nReport: {report}")
+    if command.json:
+        figures = starts_json(finished, command.starts)
+        say_json({"folder": str(command.out), "report": str(report), "failed": len(failures), **figures})
+    return exit_status(failures)

@@ -13,6 +13,8 @@ from studies.run.stored_run import stored_runs
 
 STUDIES = {"comparison.json": "studies.comparison.command", "study.json": "studies.sensitivity.report.page"}
 """File that a study's folder is known by -> module with `rebuild(folder) -> report`."""
+STARTS_FILE, STARTS_MODULE = "starts.json", "studies.run.starts.page"
+"""The same of a folder of starts, which are reconstructions with reports of their own."""
 
 
 @dataclass(frozen=True)
@@ -43,4 +45,5 @@ def _rebuilt_reports(folder: Path) -> list[Path]:
     cases = stored_runs(folder)
     from studies.run.report.page import write_report
 
-    return [write_report(case) for case in cases]
+    over_all = [importlib.import_module(STARTS_MODULE).rebuild(folder)] if (folder / STARTS_FILE).is_file() else []
+    return [*(write_report(case) for case in cases), *over_all]

@@ -4,8 +4,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from materials.input_error import InputError
 from studies.base.case_folder import case_digest, finished_case, writing
 from studies.comparison.links import LINKED_PLANNERS, LINKS, arm_name
@@ -15,6 +13,7 @@ from studies.run.reconstruct import ReconstructSettings, check_workspace, resolv
 from studies.run.run_case import RUN_COMMAND
 from studies.run.scene_settings import build_subject
 from studies.run.shared_bursts import SharedCaptures
+from studies.run.starts.runs import seed_at
 from studies.work.workers import Job
 
 RUNS = "runs"
@@ -121,11 +120,6 @@ def run_settings(
         ablation=ablation,
     )
     return resolved_run(settings)
-
-
-def seed_at(root: int, azimuth_deg: float) -> int:
-    """Seed of the runs that start at this azimuth."""
-    return int(np.random.SeedSequence([root, round(1000 * azimuth_deg)]).generate_state(1)[0])
 
 
 def jobs(out: Path, runs: list[PlannedRun]) -> list[Job]:

@@ -1,0 +1,1 @@
+"""One reconstruction from many starts: the runs, what they reached together, and the page over them."""
