@@ -13,9 +13,9 @@ import studies.dataset
 from studies.cli.main import main
 
 CONFIG = """
-title: Four small views of part C
+title: Four small views of part C1
 views: 4
-objects: {parts: {C: 1}, arrangement: {single: 1}}
+objects: {parts: {C1: 1}, arrangement: {single: 1}}
 materials: {kind: {metal: 1}, metals: {aluminium: 1}, finishes: {milled: 1, polished: 1}, non_metals: {rubber: 1}}
 surroundings: {tables: {wood_table: 1}, lamps: {workshop: 1}, clutter: [0, 1], clutter_materials: {rubber: 1}}
 camera: {profiles: {424x240: 1}}

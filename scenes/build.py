@@ -29,7 +29,7 @@ def part_scene(
     table_material: Material | None = None,
     room: bool = True,
 ) -> Scene:
-    """Part "A", "B", "C" or "D" on the table; see `scene_on_table` for the rest."""
+    """One of `scenes.parts.ALL_PARTS` on the table; see `scene_on_table` for the rest."""
     bodies = with_part_materials(f"part {part}", part_bodies(part), materials)
     return scene_on_table(f"part {part}", bodies, lamps, table_material, room)
 

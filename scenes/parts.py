@@ -1,4 +1,7 @@
-"""Parts A-D from the committed meshes, each body with the material that the real thing has."""
+"""Parts from the committed meshes, each body with the material that the real thing has.
+
+A-D are the paper's objects, as its authors photographed them; A1-D1 are an earlier set of parts of those kinds.
+"""
 
 import functools
 import json
@@ -12,10 +15,15 @@ from scenes.scene import Body, Mesh
 
 MESH_FOLDER = Path(__file__).parent / "meshes"
 PART_NAMES = ("A", "B", "C", "D")
+"""The paper's own objects."""
+EARLIER_PARTS = ("A1", "B1", "C1", "D1")
+"""An earlier set, with which datasets are balanced and the sensor's figures made."""
+ALL_PARTS = (*PART_NAMES, *EARLIER_PARTS)
+"""Whatever `--part` finds here."""
 
 
 def part_bodies(name: str) -> tuple[Body, ...]:
-    """The bodies of part A, B, C or D: resting on the table (lowest z = 0), bounding box over the origin [m]."""
+    """The bodies of one of `ALL_PARTS`: resting on the table (lowest z = 0), bounding box over the origin [m]."""
     bodies = _part(name)["bodies"]
     return tuple(
         Body(entry["name"], _mesh(entry["file"]), material(entry["material"]), is_part=True) for entry in bodies
@@ -28,8 +36,8 @@ def part_description(name: str) -> str:
 
 
 def _part(name: str) -> dict[str, Any]:
-    if name not in PART_NAMES:
-        raise InputError(f"part {name}: there is none; choose {', '.join(PART_NAMES[:-1])} or {PART_NAMES[-1]}")
+    if name not in ALL_PARTS:
+        raise InputError(f"part {name}: there is none; choose {', '.join(ALL_PARTS[:-1])} or {ALL_PARTS[-1]}")
     return manifest()["parts"][name]
 
 

@@ -108,16 +108,16 @@ def choices() -> list[Choice]:
 
 
 def views() -> list[View]:
-    """Parts A and D in a room; a plate without one, so that the light from walls is a number."""
+    """Parts A1 and D1 in a room; a plate without one, so that the light from walls is a number."""
     first = first_view(Parameters(), 0.0)
-    cuboid = part_scene("A").with_materials(lambda body: STEEL if body.is_part else body.material)
+    cuboid = part_scene("A1").with_materials(lambda body: STEEL if body.is_part else body.material)
     plate = coupon_scene("plate", GROUND, room=False, tilt=PLATE_TILT, size=0.15)
     middle = np.array([0.0, 0.0, plate_centre_height(0.15)])
     turn = np.radians(55.0)
     eye = middle + 0.4 * np.array([np.cos(turn), 0.0, np.sin(turn)])
     return [
-        View("A, polished steel", cuboid, first),
-        View("D, own materials", part_scene("D"), first),
+        View("A1, polished steel", cuboid, first),
+        View("D1, own materials", part_scene("D1"), first),
         View("plate, ground steel, no room", plate, look_at(eye, middle)),
     ]
 

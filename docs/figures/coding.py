@@ -15,13 +15,13 @@ FALSE_M = 0.005
 
 
 def main() -> None:
-    """Print the shares of holes and false depth on part D by factor of decimation; draw both depth images."""
-    scene, pose = part_scene("D"), first_view(Parameters(), 0.0)
+    """Print the shares of holes and false depth on part D1 by factor of decimation; draw both depth images."""
+    scene, pose = part_scene("D1"), first_view(Parameters(), 0.0)
     camera = SimulatedD435i(scene, SensorSettings(crop=None))
     truth = camera.truth(pose)
     on_part = looks_at_part(truth, scene)
     burst, layers = {}, camera.render(pose)
-    print("part D, first view: share of the part without depth, and of its depth more than 5 mm off")
+    print("part D1, first view: share of the part without depth, and of its depth more than 5 mm off")
     for factor in (1, 2, 4, 8):
         reduced = SimulatedD435i(scene, SensorSettings(crop=None, decimation=factor))
         depth = reduced.expose(pose, *layers, FRAMES).burst.depths

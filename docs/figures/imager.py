@@ -29,6 +29,7 @@ from render.labels.outcome import is_false_depth
 from render.labels.twin import twin_scene
 from render.world.rig import FOCAL_LENGTHS_PX
 from scenes.build import part_scene
+from scenes.parts import EARLIER_PARTS
 from tests.physics.matte_parts import away_from
 from tests.physics.simple_scenes import facing_x, wall
 
@@ -97,7 +98,7 @@ def print_rows_out_of_line(distance: float = 0.5) -> None:
 def print_matte_parts(distance: float) -> None:
     """What defocus and glare cost of matte parts whose front is `distance` [m] away; same light with and without."""
     print(f"matte parts {distance} m away, measurable pixels of the part: filled, false; without defocus and glare")
-    for name in "ABCD":
+    for name in EARLIER_PARTS:
         scene = twin_scene(part_scene(name, table_material=Matte("table", 0.5)))
         corners = np.concatenate([body.mesh.vertices for body in scene.bodies if body.is_part])
         middle, outward = (corners.min(axis=0) + corners.max(axis=0)) / 2, np.sqrt([0.5, 0.0, 0.5])

@@ -13,19 +13,20 @@ from render.labels.labels import label_frame
 from render.labels.twin import measure_twin
 from render.world.truth import looks_at_part
 from scenes.build import part_scene
+from scenes.parts import EARLIER_PARTS
 
 FRAMES = 5
 PART = np.s_[60:300, 170:470]
 
 
 def main() -> None:
-    """Print the share of each cause on part D and around it; draw the label map."""
-    scene, pose = part_scene("D"), first_view(Parameters(), 0.0)
+    """Print the share of each cause on part D1 and around it; draw the label map."""
+    scene, pose = part_scene("D1"), first_view(Parameters(), 0.0)
     camera = SimulatedD435i(scene, SensorSettings(crop=None))
     measurement, truth = camera.measure(pose, FRAMES), camera.truth(pose)
     picture = label_frame(camera, pose, measurement, truth=truth).picture
     on_part = looks_at_part(truth, scene)
-    print("share of the pixels: on part D, elsewhere")
+    print("share of the pixels: on part D1, elsewhere")
     shown = []
     for cause, entry in LEGEND.items():
         shares = [float(np.mean(picture[pixels] == cause)) for pixels in (on_part, ~on_part)]
@@ -50,7 +51,7 @@ def print_holes_by_twin() -> None:
     """Print, of the holes on each part, which are reflection's, and of how many the twin's depth is false."""
     pose, steel = first_view(Parameters(), 0.0), material("stainless_austenitic:polished")
     print("first view, holes on the part: reflection, twin's depth false, unexplained")
-    for part, material_of_part in ((part, m) for m in (None, steel) for part in "ABCD"):
+    for part, material_of_part in ((part, m) for m in (None, steel) for part in EARLIER_PARTS):
         scene = part_scene(part)
         if material_of_part:
             scene = scene.with_materials(lambda body, m=material_of_part: m if body.is_part else body.material)

@@ -18,12 +18,12 @@ SETTINGS = SensorSettings(crop=None)
 POST, WALL, HALF_WIDTH = 0.5, 1.0, 0.03
 """Distances of a post and of the wall behind it, half the post's width [m]."""
 PART = np.s_[80:280, 190:450]
-"""Where part D stands in the first view."""
+"""Where part D1 stands in the first view."""
 
 
 def main() -> None:
-    """Print what bounces add and where the shadow falls; draw part D's layers and the shadow."""
-    scene, pose = part_scene("D"), first_view(Parameters(), 0.0)
+    """Print what bounces add and where the shadow falls; draw part D1's layers and the shadow."""
+    scene, pose = part_scene("D1"), first_view(Parameters(), 0.0)
     camera = SimulatedD435i(scene, SETTINGS)
     on_part = looks_at_part(camera.truth(pose), scene)
     left, right = camera.render(pose)
@@ -31,7 +31,7 @@ def main() -> None:
     for name in ("projector", "ambient"):
         whole, direct = (float(getattr(layer, name)[on_part].mean()) for layer in (left, once))
         print(
-            f"part D, {name}: {1e3 * whole:.2f} mW m^-2 sr^-1, "
+            f"part D1, {name}: {1e3 * whole:.2f} mW m^-2 sr^-1, "
             f"{100 * (1 - direct / whole):.0f} % by a second or third bounce"
         )
 

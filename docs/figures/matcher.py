@@ -13,12 +13,12 @@ from render.world.truth import looks_at_part
 from scenes.build import part_scene
 
 AROUND = np.s_[90:290, 220:420]
-"""Where part D stands in the first view."""
+"""Where part D1 stands in the first view."""
 
 
 def main() -> None:
-    """Print the share of part D without depth by matcher; draw both depth errors."""
-    scene, pose = part_scene("D"), first_view(Parameters(), 0.0)
+    """Print the share of part D1 without depth by matcher; draw both depth errors."""
+    scene, pose = part_scene("D1"), first_view(Parameters(), 0.0)
     settings = SensorSettings(crop=None)
     camera = SimulatedD435i(scene, settings)
     measured, truth = camera.measure(pose, 1), camera.truth(pose)
@@ -29,7 +29,7 @@ def main() -> None:
         disparity = matcher.match(measured.lefts[0], measured.rights[0])
         coded = z16_from_disparity(disparity, camera.rig.focal_baseline, settings.depth)
         depth = metres_from_z16(coded, settings.depth)
-        print(f"{name}: {100 * np.mean(depth[on_part] == 0):.1f} % of part D without depth, first view")
+        print(f"{name}: {100 * np.mean(depth[on_part] == 0):.1f} % of part D1 without depth, first view")
         error = np.where((depth > 0) & (truth.depth > 0), 1e3 * (depth - truth.depth), np.nan)
         show_error(figure, panel, error[AROUND], f"{name}: depth error", 20)
     write(figure, "matcher")

@@ -1,4 +1,4 @@
-"""Mount: one view of part D with the baseline horizontal and on end. `python -m docs.figures.mount`."""
+"""Mount: one view of part D1 with the baseline horizontal and on end. `python -m docs.figures.mount`."""
 
 import numpy as np
 
@@ -26,8 +26,8 @@ SPAN_MM = 20
 
 
 def main() -> None:
-    """Print what each setting makes of the first view of part D; draw both rolls, the world upright in both."""
-    scene = part_scene("D")
+    """Print what each setting makes of the first view of part D1; draw both rolls, the world upright in both."""
+    scene = part_scene("D1")
     for name, changed in CHOICES.items():
         camera = SimulatedD435i(scene, SensorSettings(crop=None, **changed))
         pose = first_view(Parameters(roll_deg=camera.settings.roll_deg), 0.0)
@@ -36,7 +36,7 @@ def main() -> None:
         missing = 100 * np.mean(depth[part] == 0)
         error = 1e3 * np.median(np.abs(depth - truth.depth)[part & (depth > 0)])
         print(
-            f"{name}: Min-Z {1e3 * camera.min_z:.0f} mm, f B {camera.rig.focal_baseline:.2f} px m, part D on "
+            f"{name}: Min-Z {1e3 * camera.min_z:.0f} mm, f B {camera.rig.focal_baseline:.2f} px m, part D1 on "
             f"{part.sum()} px, {missing:.1f} % of it without depth, median error {error:.1f} mm, "
             f"exposure {1e-3 * measured.imager.exposure_us:.1f} ms"
         )

@@ -1,1 +1,1 @@
-"""Scripts that draw parts A-D with build123d and bd_warehouse and write `scenes/meshes/` (extra `authoring`)."""
+"""Scripts that draw the parts with build123d and bd_warehouse and write `scenes/meshes/` (extra `authoring`)."""

@@ -22,7 +22,7 @@ class DrawnBody:
 
 @dataclass(frozen=True)
 class DrawnPart:
-    """One of the parts A-D."""
+    """One of the parts that `scenes.parts` knows by name."""
 
     name: str
     description: str

@@ -1,101 +1,131 @@
-"""Part B: a 5/2-way pneumatic solenoid valve with G1/4 and G1/8 connections, coil and DIN connector.
+"""Part B: the paper's filter-regulator, standing on its knob.
 
-Proportions of the common 27 mm wide in-line valves: block 92 x 40 x 27 mm, pilot with a 30 mm coil on one end.
+Proportions are read off the published photograph at 230 mm of height, to about 15 %; what it does not show (depth, the
+three other faces) is as catalogues of 3/8 inch units have it. The bowl's print is left out: ink is clear at 850 nm.
 """
 
 # pyright: reportMissingImports=false
-from bd_warehouse.fastener import HexNut, SocketHeadCapScrew
-from build123d import Axis, Box, Pos, Rot, Shape, Solid, chamfer, fillet
+from bd_warehouse.fastener import SocketHeadCapScrew
+from build123d import Axis, Box, Pos, Rot, Shape, Solid, fillet
 
-from scenes.authoring.drawing import DrawnBody, DrawnPart, along, hexagon, tube, turned
+from scenes.authoring.drawing import DrawnBody, DrawnPart, along, turned
 
-VALVE_HEIGHT, DEPTH = 27.0, 40.0
-LEFT, RIGHT = -46.0, 46.0
-"""Ends of the aluminium block [mm]."""
-OUTLETS, INLETS = (-13.0, 13.0), (-26.0, 0.0, 26.0)
-"""Ports along the block: A and B at the back, exhaust, supply, exhaust at the front [mm]."""
+_KNOB, _COLLAR, _BODY, _BOWL, _TOP = 44.0, 11.0, 48.0, 100.0, 26.0
+"""Heights from the bottom up [mm]."""
+_BODY_FOOT = _KNOB + _COLLAR
+_BOWL_FOOT = _BODY_FOOT + _BODY
+_WIDTH, _DEPTH = 54.0, 50.0
+"""Of the body [mm]; the depth is a choice between bowl and width."""
+_PORT_HEIGHT = _BODY_FOOT + 19.0
+"""The port sits 5 mm below the middle of the body [mm]."""
+_PORT_RADIUS, _PORT_MOUTH = 14.950 / 2, 16.662 / 2
+"""Minor and major radius of G3/8, ISO 228-1 [mm]: the hole measures 15 mm. Its thread, in the dark, is a bore."""
+_PORT_DEPTH = 13.0
+_SEAT_RADIUS = 10.5
+"""Of the spot face around a port [mm], as photographed."""
+_TAPPED_RADIUS, _TAPPED_AT = 4.134 / 2, 20.5
+"""Minor radius of the M5 holes beside the port, ISO 724, and their distance from it [mm]."""
+_SCREW_AT = 20.0
+"""Of the bonnet's four screws from the middle, along x and y [mm]."""
 
 
 def part_b() -> DrawnPart:
-    """Valve of about 150 x 85 x 72 mm lying on its lower face."""
-    fittings = [along(x, DEPTH / 2, VALVE_HEIGHT / 2, "+y") for x in OUTLETS] + [
-        along(0, -DEPTH / 2, VALVE_HEIGHT / 2, "-y")
-    ]
-    silencers = [along(x, -DEPTH / 2, VALVE_HEIGHT / 2, "-y") for x in (INLETS[0], INLETS[2])]
-    brass = [at * s for at in fittings for s in _push_in_fitting()] + [at * _silencer_hexagon() for at in silencers]
+    """Filter-regulator of 54 x 50 x 229 mm."""
+    screws = [along(x, y, _KNOB + 5.0, "-z") * SocketHeadCapScrew("M5-0.8", 8) for x, y in _corners()]
     return DrawnPart(
         "B",
-        "pneumatic solenoid valve",
+        "pneumatic filter-regulator",
         (
-            DrawnBody("valve_body", (_block(),), "aluminium:blasted", "blasted before it is anodised, as usual"),
-            DrawnBody("pilot_and_caps", tuple(_plastic_ends()), "black_plastic", "glass-filled polyamide"),
-            DrawnBody("coil", tuple(_coil()), "black_plastic", "coil moulded in black epoxy, connector in polyamide"),
-            DrawnBody("release_rings", tuple(at * _release_ring() for at in fittings), "black_plastic", "acetal"),
-            DrawnBody("fittings", tuple(brass), "brass:bright", "turned brass, as it leaves the lathe"),
+            DrawnBody("regulator", (_knob(), _collar()), "black_plastic", "polyamide, black by soot as usual"),
             DrawnBody(
-                "silencers",
-                tuple(at * _silencer() for at in silencers),
-                "brass:coarse_blasted",
-                "sintered bronze beads",
+                "body", (_body(),), "matte_paint", "die-cast and painted light grey; the catalogue's is on metal"
             ),
-            DrawnBody("screws", tuple(_screws()), "stainless_austenitic:bright", "cold-headed screws are left bright"),
+            DrawnBody(
+                "bowl",
+                (_bowl(),),
+                "white_plastic",
+                "white enamel has a satin gloss: titania under clear binder, as white plastic; `white_paint` has none",
+            ),
+            DrawnBody("drain", (_drain(),), "black_plastic", "polyamide, as the knob"),
+            DrawnBody("screws", tuple(screws), "oxide", "dark in the photograph: blackened steel, which is iron oxide"),
         ),
     )
 
 
-def _block() -> Shape:
-    """Block with two cross holes for mounting and a label recess on top."""
-    block = Pos((LEFT + RIGHT) / 2, 0, VALVE_HEIGHT / 2) * chamfer(Box(RIGHT - LEFT, DEPTH, VALVE_HEIGHT).edges(), 0.8)
-    for x, y in ((-36, 14), (36, -14)):
-        block = block - Pos(x, y, -1) * Solid.make_cylinder(2.15, VALVE_HEIGHT + 2)
-        block = block - Pos(x, y, VALVE_HEIGHT - 4.5) * Solid.make_cylinder(3.8, 6)
-    return block - Pos(0, 0, VALVE_HEIGHT) * Box(44, 22, 1.0)
+def _corners() -> list[tuple[float, float]]:
+    return [(x, y) for x in (-_SCREW_AT, _SCREW_AT) for y in (-_SCREW_AT, _SCREW_AT)]
 
 
-def _plastic_ends() -> list[Shape]:
-    """Pilot housing on the left with its override, end cap on the right."""
-    pilot = Pos(LEFT - 13.5, 0, VALVE_HEIGHT / 2) * fillet(Box(27, DEPTH - 2, VALVE_HEIGHT - 1).edges(), 1.5)
-    cap = Pos(RIGHT + 5, 0, VALVE_HEIGHT / 2) * fillet(Box(10, DEPTH - 1, VALVE_HEIGHT - 0.6).edges(), 1.2)
-    return [pilot, cap]
+def _knob() -> Shape:
+    """Knob of 33 mm with twelve finger flutes below its smooth rim."""
+    knob = turned([(0, 0), (15.5, 0), (16.5, 1.0), (16.5, _KNOB - 3.0), (15.5, _KNOB - 2.0), (15.5, _KNOB), (0, _KNOB)])
+    for turn in range(12):
+        knob = knob - Rot(0, 0, 30 * turn) * Pos(17.5, 0, -1) * Solid.make_cylinder(2.2, 28)
+    return knob
 
 
-def _coil() -> list[Shape]:
-    """Coil of 30 x 30 x 36 mm over the pilot, with a DIN connector and its cable gland on the far side."""
-    x = LEFT - 13.0
-    coil = fillet(Box(30, 30, 36).edges().filter_by(Axis.Z), 6.0)
-    upright = Pos(x, 0, VALVE_HEIGHT - 0.5 + 18) * coil
-    connector = Pos(x - 24, 0, VALVE_HEIGHT + 17) * fillet(Box(20, 27, 27).edges(), 2.0)
-    gland = Pos(x - 27, 0, VALVE_HEIGHT + 3.6) * Rot(180, 0, 0) * hexagon(16.0, 0.0, 8.0, 3.2)
-    return [upright, connector, gland]
+def _collar() -> Shape:
+    """Bonnet flange of 50 mm over a cone."""
+    flange = Pos(0, 0, _KNOB + 8.0) * fillet(Box(50, 49, 6).edges().filter_by(Axis.Z), 5.0)
+    return flange + turned([(0, _KNOB), (17.0, _KNOB), (20.5, _KNOB + 4.0), (20.5, _KNOB + 6.0), (0, _KNOB + 6.0)])
 
 
-def _push_in_fitting() -> list[Shape]:
-    """Push-in fitting G1/4 for 8 mm hose: sealing collar, hexagon 17 mm, sleeve."""
-    return [tube(8.4, 4.0, 0.0, 2.0, 0.3), hexagon(17.0, 1.8, 9.0, 4.0), tube(7.2, 4.4, 8.8, 19.0, 0.8)]
+def _body() -> Shape:
+    """Die-cast block with a port in each upright face; those in front and back have a tapped hole on either side."""
+    block = Pos(0, 0, _BODY_FOOT + _BODY / 2) * fillet(Box(_WIDTH, _DEPTH, _BODY).edges(), 1.5)
+    for toward in ("+x", "-x"):
+        block = block - along(_away(toward, _WIDTH), 0, _PORT_HEIGHT, toward) * _port()
+    for toward in ("+y", "-y"):
+        block = block - along(0, _away(toward, _DEPTH), _PORT_HEIGHT, toward) * _port()
+        for x in (-_TAPPED_AT, _TAPPED_AT):
+            hole = turned([(0, 1), (3.6, 1), (2.6, 0), (_TAPPED_RADIUS, -0.6), (_TAPPED_RADIUS, -9), (0, -9)])
+            block = block - along(x, _away(toward, _DEPTH), _PORT_HEIGHT, toward) * hole
+    return block
 
 
-def _release_ring() -> Shape:
-    """Ring that is pressed to free the hose."""
-    return turned([(4.0, 17.0), (5.4, 17.0), (5.4, 20.0), (6.4, 20.0), (6.4, 22.0), (4.0, 22.0)])
+def _away(toward: str, length: float) -> float:
+    """Where the face that looks `toward` lies [mm]."""
+    return length / 2 if toward[0] == "+" else -length / 2
 
 
-def _silencer_hexagon() -> Shape:
-    """Turned foot of an exhaust silencer G1/4."""
-    return hexagon(16.0, 0.0, 5.0, 3.0)
+def _port() -> Shape:
+    """What a port takes out of a face at z = 0 that looks along +z: spot face, countersink, bore."""
+    sunk = _PORT_MOUTH + 0.3
+    return turned(
+        [
+            (0, 1),
+            (_SEAT_RADIUS, 1),
+            (_SEAT_RADIUS, -0.8),
+            (sunk, -0.8),
+            (_PORT_RADIUS, -0.8 - (sunk - _PORT_RADIUS)),
+            (_PORT_RADIUS, -_PORT_DEPTH),
+            (0, -_PORT_DEPTH),
+        ]
+    )
 
 
-def _silencer() -> Shape:
-    """Sintered body of the silencer."""
-    body = turned([(0, 4.5), (6.4, 4.5), (6.4, 13.0), (4.4, 20.0), (0, 20.0)])
-    return fillet(body.edges().sort_by(Axis.Z)[-1], 1.5)
+def _bowl() -> Shape:
+    """Bowl of 42 mm, 1 deg of draft, its end rounded by 6 mm."""
+    bowl = turned([(0, _BOWL_FOOT), (21.5, _BOWL_FOOT), (20.0, _BOWL_FOOT + _BOWL), (0, _BOWL_FOOT + _BOWL)])
+    return fillet(bowl.edges().sort_by(Axis.Z)[-1], 6.0)
 
 
-def _screws() -> list[Shape]:
-    """Cap screws in the end cap and in the connector, and the nut that holds the coil on its tube."""
-    cap = [along(RIGHT + 10, y, z, "+x") * SocketHeadCapScrew("M4-0.7", 8) for y in (-14, 14) for z in (6.5, 20.5)]
-    pilot = [Pos(LEFT - 8, y, VALVE_HEIGHT - 0.5) * SocketHeadCapScrew("M3-0.5", 6) for y in (-16.2, 16.2)]
-    top = VALVE_HEIGHT + 35.5
-    nut = Pos(LEFT - 13, 0, top) * HexNut("M8-1.25")
-    stem = Pos(LEFT - 13, 0, top - 2) * tube(4.0, 0.0, 0.0, 10.0, 0.8)
-    connector = along(LEFT - 47, 0, VALVE_HEIGHT + 17, "-x") * SocketHeadCapScrew("M3-0.5", 6)
-    return [*cap, *pilot, nut, stem, connector]
+def _drain() -> Shape:
+    """Drain knob of 20 mm, ribbed below, plain above."""
+    foot = _BOWL_FOOT + _BOWL
+    knob = turned(
+        [
+            (0, foot - 1),
+            (8.0, foot - 1),
+            (8.0, foot + 1),
+            (10.0, foot + 1),
+            (10.0, foot + 13),
+            (9.3, foot + 14),
+            (9.3, foot + _TOP - 1),
+            (8.3, foot + _TOP),
+            (0, foot + _TOP),
+        ]
+    )
+    for turn in range(12):
+        knob = knob - Rot(0, 0, 30 * turn) * Pos(10.4, 0, foot + 1.5) * Solid.make_cylinder(1.0, 11)
+    return knob

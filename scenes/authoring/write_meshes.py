@@ -1,4 +1,4 @@
-"""Draw parts A-D and write their meshes and manifest into `scenes/meshes/`.
+"""Draw all parts and write their meshes and manifest into `scenes/meshes/`.
 
 Run with the extra `authoring` installed: python -m scenes.authoring.write_meshes [folder]
 """
@@ -13,9 +13,13 @@ import numpy as np
 
 from scenes.authoring.drawing import DrawnBody, DrawnPart
 from scenes.authoring.part_a import part_a
+from scenes.authoring.part_a1 import part_a1
 from scenes.authoring.part_b import part_b
+from scenes.authoring.part_b1 import part_b1
 from scenes.authoring.part_c import part_c
+from scenes.authoring.part_c1 import part_c1
 from scenes.authoring.part_d import part_d
+from scenes.authoring.part_d1 import part_d1
 from scenes.authoring.tessellation import tessellate
 from scenes.mesh_files import content_hash, write_mesh
 from scenes.primitives import joined
@@ -24,9 +28,14 @@ from scenes.scene import Mesh
 FOLDER = Path(__file__).parents[1] / "meshes"
 
 
+def drawn_parts() -> tuple[DrawnPart, ...]:
+    """All of them, the paper's first."""
+    return (part_a(), part_b(), part_c(), part_d(), part_a1(), part_b1(), part_c1(), part_d1())
+
+
 def write_meshes(folder: Path) -> None:
     """Write one NPZ per body and `manifest.json`; the parts rest on z = 0 with their bounding box over the origin."""
-    parts = {part.name: _write_part(folder, part) for part in (part_a(), part_b(), part_c(), part_d())}
+    parts = {part.name: _write_part(folder, part) for part in drawn_parts()}
     manifest = {
         "units": "m",
         "licence": "MIT",

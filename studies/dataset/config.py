@@ -21,7 +21,7 @@ from render.matcher.d400_preset import UNITS, load_preset
 from render.world.rig import CAMERA_MODELS, Rig
 from scenes.lamps import LIGHTING_NAMES
 from scenes.part_materials import part_materials
-from scenes.parts import PART_NAMES
+from scenes.parts import ALL_PARTS
 from studies.base.config import Config, load_config
 
 DEFAULT = Path(__file__).parent / "default.yaml"
@@ -83,8 +83,8 @@ class UserCad(Config):
 class Objects(Config):
     """What stands on the table to be looked at."""
 
-    parts: dict[str, Annotated[float, Field(ge=0)]] = Field(default={"A": 1, "B": 1, "C": 1, "D": 1})
-    """Parts A to D and how often each is drawn."""
+    parts: dict[str, Annotated[float, Field(ge=0)]] = Field(default={"A1": 1, "B1": 1, "C1": 1, "D1": 1})
+    """Parts by name and how often each is drawn. A1 to D1 is what the declared shares were balanced with."""
     cad: tuple[UserCad, ...] = ()
     """CAD files of yours."""
     arrangement: Weights = Field(default={"single": 0.6, "pile": 0.4})
@@ -218,7 +218,7 @@ class DatasetConfig(Config):
         non_metals = [name for name in material_names(user) if name not in metals]
         specs = (*non_metals, *(f"{metal}:{finish}" for metal in metals for finish in finish_names(metal, user)))
         for place, words, known in (
-            ("objects.parts", self.objects.parts, PART_NAMES),
+            ("objects.parts", self.objects.parts, ALL_PARTS),
             ("objects.arrangement", self.objects.arrangement, get_args(Arrangement)),
             ("materials.kind", m.kind, get_args(MaterialKind)),
             ("materials.metals", m.metals, metals),

@@ -18,7 +18,7 @@ from render.matcher.d400_preset import is_file_name, load_preset
 from scenes.build import COUPONS, coupon_scene, part_scene, scene_on_table
 from scenes.cad.cad_file import file_name
 from scenes.part_materials import part_materials
-from scenes.parts import PART_NAMES, part_description
+from scenes.parts import ALL_PARTS, part_description
 from scenes.scene import Scene
 from scenes.user_mesh import load_user_part
 from studies.base.atomic_file import file_digest
@@ -29,7 +29,8 @@ class SubjectSettings(Config):
     """Shared by every command that looks at a part."""
 
     part: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
-    """Part A, B, C or D, or a coupon: plate, ball, upright_cylinder, lying_cylinder, inside_corner."""
+    """Part A, B, C or D of the paper, A1, B1, C1 or D1 of an earlier set; or a coupon: plate, ball,
+    upright_cylinder, lying_cylinder, inside_corner."""
     mesh: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """CAD file instead of a part: STL, PLY, OBJ, GLB, or STEP with the extra `step`."""
     units: Annotated[str | None, tyro.conf.arg(metavar="mm|cm|m|in")] = None
@@ -37,8 +38,8 @@ class SubjectSettings(Config):
     up: Literal["x", "y", "z"] | None = None
     """Upward axis of the CAD file; the default is its format's convention."""
     material: Annotated[tuple[str, ...], tyro.conf.arg(metavar="METAL:FINISH|BODY=METAL:FINISH")] = ()
-    """One material for all bodies, or one per body, by name or number ('#2=METAL:FINISH'); parts A-D come with those of
-    the real things."""
+    """One material for all bodies, or one per body, by name or number ('#2=METAL:FINISH'); parts come with those of the
+    real things."""
     materials_file: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """YAML file with materials of your own."""
     lamps: str = "workshop"
@@ -72,7 +73,7 @@ def build_subject(settings: SubjectSettings) -> Subject:
     """The scene that the settings describe; InputError for whatever is wrong with them. Loads no renderer."""
     if (settings.part is None) == (settings.mesh is None):
         raise InputError(
-            "nothing to look at; give either --part A, B, C or D, or --mesh FILE with --units and --material"
+            "nothing to look at; give either --part A, B, C, D or another, or --mesh FILE with --units and --material"
         )
     notices = check_sensor(settings.sensor)
     user = load_user_materials(settings.materials_file) if settings.materials_file else UserMaterials()
@@ -83,8 +84,8 @@ def build_subject(settings: SubjectSettings) -> Subject:
     if settings.part in COUPONS:
         return _coupon(settings, settings.part, user, notices)
     part = str(settings.part)
-    if part not in PART_NAMES:
-        raise InputError(f"part {part}: there is none; choose {', '.join([*PART_NAMES, *COUPONS])}")
+    if part not in ALL_PARTS:
+        raise InputError(f"part {part}: there is none; choose {', '.join([*ALL_PARTS, *COUPONS])}")
     materials = part_materials(settings.material, user) if settings.material else None
     scene = part_scene(part, materials, settings.lamps, room=settings.room)
     changed = f", as {', '.join(settings.material)}" if settings.material else ""

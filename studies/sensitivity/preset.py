@@ -13,7 +13,7 @@ from render.d435i import SensorSettings
 from render.imager.settings import REFERENCE_LASER_POWER_MW, ImagerSettings
 from scenes.build import COUPONS
 from scenes.lamps import LIGHTING_NAMES
-from scenes.parts import PART_NAMES
+from scenes.parts import ALL_PARTS
 from studies.base.config import Config, Preset
 from studies.run.scene_settings import check_sensor, mounted
 
@@ -45,7 +45,7 @@ class Sweep(Config):
     name: str
     """What the tables and the report call it."""
     subjects: tuple[str, ...] = ("plate",)
-    """Coupons, or parts A to D."""
+    """Coupons, or parts."""
     metals: tuple[str, ...] = ()
     """Metals, each with every finish and every alpha below that it can have."""
     finishes: tuple[str, ...] = ()
@@ -85,7 +85,7 @@ class Sweep(Config):
             raise ValueError(f"sweep {self.name}: lists no materials; give metals with finishes, or materials")
         if self.hemisphere_poses and not self.recovery:
             raise ValueError(f"sweep {self.name}: hemisphere_poses are tried for a recovery; give recovery: true")
-        if OWN in self.materials and not set(self.subjects) <= set(PART_NAMES):
+        if OWN in self.materials and not set(self.subjects) <= set(ALL_PARTS):
             raise ValueError(f"sweep {self.name}: `{OWN}` is for parts; name a material for coupons")
         return self
 
@@ -107,7 +107,7 @@ class Sweep(Config):
         return tuple(Light(lamps=lamps, laser_mw=laser) for lamps, laser in product(self.lamps, self.lasers_mw))
 
 
-SUBJECTS = (*COUPONS, *PART_NAMES)
+SUBJECTS = (*COUPONS, *ALL_PARTS)
 """What a sweep can look at."""
 
 

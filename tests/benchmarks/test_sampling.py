@@ -1,6 +1,6 @@
 """How far the default sample counts are from 1024 independent paths a pixel, and how far two such references are apart.
 
-Around part D only, the part with most metal: elsewhere pixels see matte surfaces, whose error is far smaller.
+Around part D1 only, the part with most metal: elsewhere pixels see matte surfaces, whose error is far smaller.
 """
 
 import cv2
@@ -29,7 +29,7 @@ MARGIN_PX = 12
 
 def test_default_sampling_against_reference(stopwatch: Stopwatch):
     """Prints grey-value errors and the agreement of the hole maps (share of frames without depth >= 0.5)."""
-    scene, pose = part_scene("D"), first_view(Parameters(), 0.0)
+    scene, pose = part_scene("D1"), first_view(Parameters(), 0.0)
     camera = SimulatedD435i(scene)
     truth = camera.truth(pose)
     part = looks_at_part(truth, scene)
@@ -49,7 +49,7 @@ def test_default_sampling_against_reference(stopwatch: Stopwatch):
         error = np.abs(other - grey[1])[measurable]
         a, b = holes(first)[near], holes(layers)[near]
         stopwatch.note(
-            f"{name} against {REFERENCE_PATHS} paths a pixel around part D: median error {np.median(error):.2f} DN, "
+            f"{name} against {REFERENCE_PATHS} paths a pixel around part D1: median error {np.median(error):.2f} DN, "
             f"90th percentile {np.percentile(error, 90):.2f} DN; hole maps IoU {np.sum(a & b) / np.sum(a | b):.3f}"
         )
 

@@ -24,15 +24,15 @@ N_FRAMES = 15
 
 @pytest.fixture(scope="module")
 def camera() -> SimulatedD435i:
-    """Before part D, the part with most metal."""
-    return SimulatedD435i(part_scene("D"))
+    """Before part D1, the part with most metal."""
+    return SimulatedD435i(part_scene("D1"))
 
 
 def test_burst(camera: SimulatedD435i, stopwatch: Stopwatch):
     """Both layers of both imagers, 15 noisy pairs, matched, decimated."""
     pose = first_view(Parameters(), 0.0)
     layers = camera.render(pose)
-    stopwatch.time("sensor burst, part D, 15 frames", lambda: camera.measure(pose, N_FRAMES), goal=1.0)
+    stopwatch.time("sensor burst, part D1, 15 frames", lambda: camera.measure(pose, N_FRAMES), goal=1.0)
     stopwatch.time("  of which both layers of both imagers", lambda: camera.render(pose))
     stopwatch.time("  of which exposure, matching, decimation", lambda: camera.expose(pose, *layers, N_FRAMES))
     stopwatch.time("truth maps", lambda: camera.truth(pose))

@@ -22,6 +22,7 @@ from render.light.sampling import Sampling
 from render.sensor import SensorSettings
 from render.world.surface import surface_map
 from scenes.build import coupon_scene, part_scene, scene_on_table
+from scenes.parts import EARLIER_PARTS
 from scenes.primitives import box, moved
 from scenes.scene import Body, Scene
 from tests.judges.path_judge import Estimate, judged_layers, share_beyond
@@ -130,7 +131,7 @@ def test_a_ball_of_measured_material(tmp_path):
     assert all(verdict.is_right for verdict in verdicts.values()), "\n".join(map(str, verdicts.values()))
 
 
-@pytest.mark.parametrize("part", ["A", "B", "C", "D"])
+@pytest.mark.parametrize("part", EARLIER_PARTS)
 def test_the_parts_in_their_own_materials(part: str):
     """From where a reconstruction looks first, or near it."""
     pose = look_at(np.array([0.3, -0.2, 0.35]), np.array([0.0, 0.0, 0.05]))

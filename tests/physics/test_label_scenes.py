@@ -48,7 +48,7 @@ def test_scene_made_for_a_cause_is_labelled_with_it(scene, cause, least):
 def test_matte_scene_has_no_reflection():
     """A matte surface is its own twin, so the twin of a matte scene is measured with the very same images: nothing can
     come back in it, and no depth is false by reflection."""
-    scene = part_scene("D", room=False).with_materials(lambda body: matte_twin(body.material))
+    scene = part_scene("D1", room=False).with_materials(lambda body: matte_twin(body.material))
     camera = SimulatedD435i(scene, SensorSettings(profile="424x240", crop=None))
     pose = scenes.looking_at_the_table(40.0)
     labels = label_frame(camera, pose, camera.measure(pose, 3))
@@ -63,7 +63,7 @@ def test_twin_depends_on_geometry_alone():
     pose = scenes.looking_at_the_table(40.0)
     twins = []
     for metal in ("stainless_austenitic:polished", "aluminium:blasted"):
-        scene = part_scene("C", room=False).with_materials(lambda b, m=metal: material(m) if b.is_part else b.material)
+        scene = part_scene("C1", room=False).with_materials(lambda b, m=metal: material(m) if b.is_part else b.material)
         twins.append(measure_twin(SimulatedD435i(scene, scenes.WHOLE), pose, 1))
     for name in ("invalid", "is_false", "invalid_decimated", "false_decimated"):
         assert np.array_equal(getattr(twins[0].outcome, name), getattr(twins[1].outcome, name))
@@ -108,7 +108,7 @@ def test_no_hole_is_reflections_where_the_twin_is_wrong():
     same, and nearly always one that geometry gives. Where the twin is right, every hole of the part that could be
     measured at all is reflection's."""
     steel = material("stainless_austenitic:polished")
-    scene = part_scene("C", room=False).with_materials(lambda body: steel if body.is_part else body.material)
+    scene = part_scene("C1", room=False).with_materials(lambda body: steel if body.is_part else body.material)
     camera, pose = SimulatedD435i(scene, scenes.WHOLE), scenes.looking_at_the_table(40.0)
     measurement = camera.measure(pose, 1)
     labels = label_frame(camera, pose, measurement)

@@ -47,21 +47,21 @@ def test_furniture_stands_clear_of_table_and_cameras():
 
 def test_scene_holds_part_table_room_and_lamps():
     """A closed room needs no ambient light; without it the preset's stands in."""
-    closed = part_scene("C")
+    closed = part_scene("C1")
     assert [body.name for body in closed.bodies[:2]] == ["block", "table"]
     assert len(closed.bodies) == 2 + len(room())
     assert closed.ambient_radiance == 0
-    open_air = part_scene("C", lamps="dim", room=False)
+    open_air = part_scene("C1", lamps="dim", room=False)
     assert len(open_air.bodies) == 2
     assert open_air.ambient_radiance > 0
     assert len(open_air.lamps) == 4
-    painted = part_scene("C", part_materials(["white_paint"]), table_material=material("rubber"), room=False)
+    painted = part_scene("C1", part_materials(["white_paint"]), table_material=material("rubber"), room=False)
     assert [body.material.name for body in painted.bodies] == ["white_paint", "rubber"]
 
 
 def test_matte_twin_keeps_shapes_and_lamps():
     """Replacing every material by its twin changes nothing else."""
-    scene = part_scene("D")
+    scene = part_scene("D1")
     twin = scene.with_materials(lambda body: matte_twin(body.material))
     assert all(type(body.material).__name__ == "Matte" for body in twin.bodies)
     assert all(a.mesh is b.mesh for a, b in zip(scene.bodies, twin.bodies, strict=True))
@@ -72,7 +72,7 @@ def test_reference_points_lie_on_the_surface_uniformly():
     """On the 120 x 80 x 60 mm cuboid each pair of opposite faces holds its share of the area, within 4 standard
     deviations of a binomial draw (the 1.5 mm fillets take 1 %); same seed, same points."""
     n = 10_000
-    points, normals = reference_points(part_scene("A", room=False), n, seed=3)
+    points, normals = reference_points(part_scene("A1", room=False), n, seed=3)
     np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-12)
     flat = [(120 - 3) * (80 - 3), (120 - 3) * (60 - 3), (80 - 3) * (60 - 3)]
     fillets = (np.pi / 2) * 1.5 * (117 + 77 + 57) * 4 + 4 * np.pi * 1.5**2
@@ -86,15 +86,15 @@ def test_reference_points_lie_on_the_surface_uniformly():
         np.testing.assert_allclose(np.abs(centred[:, axis]), half, atol=1e-7)
         quarter = np.mean(centred[:, (axis + 1) % 3] > 0)
         assert abs(quarter - 0.5) < 4 * 0.5 / np.sqrt(found.sum())
-    again, _ = reference_points(part_scene("A", room=False), n, seed=3)
-    other, _ = reference_points(part_scene("A", room=False), n, seed=4)
+    again, _ = reference_points(part_scene("A1", room=False), n, seed=3)
+    other, _ = reference_points(part_scene("A1", room=False), n, seed=4)
     np.testing.assert_array_equal(points, again)
     assert not np.array_equal(points, other)
 
 
 def test_reference_normals_look_outward():
     """A step of 0.1 mm along the normal leaves the cuboid's box."""
-    scene = part_scene("A", room=False)
+    scene = part_scene("A1", room=False)
     points, normals = reference_points(scene, 500)
     low, high = part_box(scene)
     inner = points - 1e-4 * normals
@@ -104,7 +104,7 @@ def test_reference_normals_look_outward():
 
 def test_reference_points_need_no_flat_normals():
     """Normals are those of the triangles, not the shading normals: unit and perpendicular to an edge of a triangle."""
-    scene = part_scene("D", room=False)
+    scene = part_scene("D1", room=False)
     _, normals = reference_points(scene, 200, seed=1)
     known = np.concatenate([unit_normals(body.mesh) for body in scene.part_bodies])
     nearest = (normals @ known.T).max(axis=1)

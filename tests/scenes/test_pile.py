@@ -71,8 +71,8 @@ def test_samples_leave_no_gap():
 
 @pytest.mark.parametrize("seed", range(3))
 def test_piled_parts_do_not_intersect(seed: int):
-    """Parts C thrown at random: no dense surface sample of one is inside the other (signed distance to its planes)."""
-    mesh = Scene("C", part_bodies("C"), (), 0.0).part_mesh()
+    """Parts C1 thrown at random: no dense surface sample of one is inside the other (signed distance to its planes)."""
+    mesh = Scene("C1", part_bodies("C1"), (), 0.0).part_mesh()
     samples, rng, pile = surface_samples(mesh), np.random.default_rng(seed), Pile()
     placed: list[RigidTransform] = []
     for _ in range(12):

@@ -153,6 +153,6 @@ def _origin(data: Gathered) -> str:
     made = "\n".join(f"- {line}" for line in data.makers)
     return (
         f"{made}\n\nSeed {data.config.seed}. The whole configuration is in `{DATASET}`, every draw of a scene in its "
-        f"`{SCENE}`; the same configuration and versions give the same bytes. The tool, with parts A to D, is under "
+        f"`{SCENE}`; the same configuration and versions give the same bytes. The tool, with its parts, is under "
         "the MIT licence; CAD files of others keep their own."
     )

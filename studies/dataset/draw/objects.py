@@ -1,4 +1,4 @@
-"""The pool of objects that scenes are drawn from: parts A to D and CAD files, each in a frame of its own.
+"""The pool of objects that scenes are drawn from: our parts and CAD files, each in a frame of its own.
 
 The model frame is BOP's: z up as designed, origin in the middle of the bounding box.
 """

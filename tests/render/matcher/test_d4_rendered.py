@@ -13,6 +13,7 @@ from render.matcher.d4.matcher import gather
 from render.matcher.d4.settings import PROTOTYPE, D4Settings
 from render.matcher.interface import N_DISPARITIES
 from scenes.build import part_scene
+from scenes.parts import EARLIER_PARTS
 from tests.render.matcher.d4_reference import match_reference
 
 STEP = 1 / 32
@@ -21,7 +22,7 @@ CROP = np.s_[130:210, 200:440]
 """Around the part in the first view; the reference is too slow for more."""
 
 
-@pytest.fixture(scope="module", params=["A", "B", "C", "D"])
+@pytest.fixture(scope="module", params=EARLIER_PARTS)
 def rendered_pair(request):
     camera = SimulatedD435i(part_scene(request.param), SensorSettings(crop=None), seed=1)
     measured = camera.measure(first_view(Parameters(), 0.0), 1)

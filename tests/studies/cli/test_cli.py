@@ -61,8 +61,8 @@ def test_bad_flags_and_bad_parts(capsys: pytest.CaptureFixture[str], tmp_path: P
     """Flags, parts, materials, lamps: each complaint names what is wrong and what may stand there."""
     out = str(tmp_path / "out")
     cases = {
-        ("--out", out): "give either --part A, B, C or D, or --mesh",
-        ("--out", out, "--part", "E"): "part E: there is none; choose A, B, C, D",
+        ("--out", out): "give either --part A, B, C, D or another, or --mesh",
+        ("--out", out, "--part", "E"): "part E: there is none; choose A, B, C, D, A1, B1, C1, D1",
         ("--out", out, "--part", "A", "--mesh", "x.stl"): "give either",
         ("--part", "A"): "--out",
         ("--out", out, "--part", "A", "--prat", "B"): "--prat",

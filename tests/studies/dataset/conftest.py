@@ -13,7 +13,7 @@ seed: 3
 views: 4
 n_frames: 2
 keep_frames: true
-objects: {parts: {A: 1, C: 1}, arrangement: {single: 0.3, pile: 0.7}, pile_parts: [2, 2]}
+objects: {parts: {A1: 1, C1: 1}, arrangement: {single: 0.3, pile: 0.7}, pile_parts: [2, 2]}
 materials:
   kind: {own: 0.3, metal: 0.7}
   metals: {brass: 1, iron: 1}

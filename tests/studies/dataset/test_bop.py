@@ -98,7 +98,7 @@ def test_coco_is_what_evaluators_read(small_dataset: Path, scene: int):
     folder = small_dataset / "train" / f"{scene:06d}"
     coco = json.loads((folder / "scene_gt_coco.json").read_text())
     infos = _scene(small_dataset, scene, "scene_gt_info")
-    assert [(entry["id"], entry["name"]) for entry in coco["categories"]] == [(1, "A"), (2, "C")]
+    assert [(entry["id"], entry["name"]) for entry in coco["categories"]] == [(1, "A1"), (2, "C1")]
     assert [entry["id"] for entry in coco["annotations"]] == list(range(1, len(coco["annotations"]) + 1))
     for entry in coco["annotations"]:
         whole, seen = (
@@ -128,9 +128,9 @@ def test_hardly_visible_objects_do_not_count(small_config: Path):
 
 
 def test_models_are_the_parts_in_millimetres(small_dataset: Path):
-    """Box and diameter of part A, a 120 x 80 x 60 mm block with small roundings, and the origin in its middle."""
+    """Box and diameter of part A1, a 120 x 80 x 60 mm block with small roundings, and the origin in its middle."""
     info = json.loads((small_dataset / "models/models_info.json").read_text())["1"]
-    points = 1000 * np.concatenate([body.mesh.vertices for body in part_bodies("A")])
+    points = 1000 * np.concatenate([body.mesh.vertices for body in part_bodies("A1")])
     assert [info[f"size_{a}"] for a in "xyz"] == pytest.approx(np.ptp(points, axis=0), abs=1e-3)
     assert [info[f"min_{a}"] + info[f"size_{a}"] / 2 for a in "xyz"] == pytest.approx([0, 0, 0], abs=1e-3)
     assert info["diameter"] == pytest.approx(np.hypot(np.hypot(120, 80), 60), rel=0.03)

@@ -47,7 +47,7 @@ def test_the_default_draws_every_metal_and_finish_and_no_impossible_one():
 def test_things_rest_and_the_camera_is_clear_of_them():
     """Lowest corners at or above the table, the first object on it; the camera outside every object's box."""
     config = load_dataset_config("default")
-    config = config.model_copy(update={"objects": config.objects.model_copy(update={"parts": {"A": 1, "C": 1}})})
+    config = config.model_copy(update={"objects": config.objects.model_copy(update={"parts": {"A1": 1, "C1": 1}})})
     pool = object_pool(config)
     for scene in range(6):
         draw = draw_scene(config, pool, scene)

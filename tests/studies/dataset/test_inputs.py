@@ -27,7 +27,7 @@ from studies.work.workers import Failure
 from tests.materials.rgl_file import spectral_measurement, write_tensor_file
 from tests.studies.dataset.test_make import contents
 
-PARTS = "parts: {A: 1, C: 1}"
+PARTS = "parts: {A1: 1, C1: 1}"
 ARRANGEMENT = "arrangement: {single: 0.3, pile: 0.7}"
 
 

@@ -164,7 +164,7 @@ def test_another_configuration_is_refused_in_the_same_folder(
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (("parts: {A: 1, C: 1}", "parts: {A: 1, Z: 1}"), "objects.parts: Z: there is none"),
+        (("parts: {A1: 1, C1: 1}", "parts: {A1: 1, Z: 1}"), "objects.parts: Z: there is none"),
         (("brass: 1", "bras: 1"), "did you mean brass"),
         (("workshop: 1", "workshop: -1"), "greater than or equal to 0"),
         (("[0.3, 0.4]", "[0.4, 0.3]"), "swap them"),

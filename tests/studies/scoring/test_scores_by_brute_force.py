@@ -27,7 +27,7 @@ SWEEPS = (
         name="plate", metals=("stainless_austenitic",), finishes=("polished", "brushed", "blasted"), polar_deg=(20, 40)
     ),
     Sweep(name="coupons", subjects=("inside_corner", "lying_cylinder"), metals=("aluminium",), finishes=("bright",)),
-    Sweep(name="parts", subjects=("C", "D"), materials=("own",)),
+    Sweep(name="parts", subjects=("C1", "D1"), materials=("own",)),
 )
 """Ten frames: five surfaces, four shapes, with regions and without."""
 Frame = tuple[CaseConfig, LitView, Planned]

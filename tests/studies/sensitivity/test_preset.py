@@ -24,7 +24,7 @@ def test_full_preset_covers_what_it_promises():
     metals, finishes = ({spec.split(":")[k] for spec in complete} for k in (0, 1))
     assert (len(metals), len(finishes), len(complete)) == (12, 6, 72)
     assert {angle for _, angle, _ in plate} >= {0.0, 75.0}
-    assert {c.subject for c in cases} == {"plate", "lying_cylinder", "ball", "inside_corner", "A", "B", "C", "D"}
+    assert {c.subject for c in cases} == {"plate", "lying_cylinder", "ball", "inside_corner", "A1", "B1", "C1", "D1"}
     assert {light.lamps for c in cases for light in c.lights} >= {"workshop", "off"}
     assert len({light.laser_mw for c in cases for light in c.lights}) >= 3
     assert len({c.seed for c in cases if c.subject == "plate"}) >= 5
