@@ -46,12 +46,13 @@ class Parameters(BaseModel):
     # -- voxel map ---------------------------------------------------------------------------------------------------
     voxel_size: Positive = _number(0.0075, "s_v, voxel side [m]. Table.")
     workspace_min: Vector = _number(
-        (-0.24, -0.24, -0.015),
-        "Lower corner of the mapped box [m]. Choice: parts of up to 20 cm at the origin with 14 cm to spare; two "
-        "layers below the table so that its surface is inside.",
+        (-0.2475, -0.2475, -0.015),
+        "Centre of the mapped box's lowest voxel [m]. Choice: the 67 x 67 x 43 voxels that the parameter table of the "
+        "authors' project page has, around the origin, two layers below the table so that its surface is inside.",
     )
     workspace_max: Vector = _number(
-        (0.24, 0.24, 0.36), "Upper corner of the mapped box [m]. Choice: parts of up to 20 cm with 16 cm to spare."
+        (0.2475, 0.2475, 0.30),
+        "Centre of the mapped box's highest voxel [m]. Choice: as `workspace_min`.",
     )
     hit_probability: Share = _number(0.7, "Occupancy of a voxel in which a ray ends [-]. OctoMap's default.")
     miss_probability: Share = _number(0.4, "Occupancy of a voxel that a ray crosses [-]. OctoMap's default.")

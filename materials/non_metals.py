@@ -99,6 +99,13 @@ _ROWS = (
         _DYED_BLACK,
         "choice: black by dyes that are clear beyond 720 nm, filler scatters, 0.1 to 0.5; visible 0.03, 0.01 to 0.045",
     ),
+    _matte(
+        "black_paint",
+        0.04,
+        grey(0.04),
+        "choice: matt paint of carbon black, grey under every light; such paints absorb 0.95 to 0.96 of sunlight "
+        "(NS-7, Catalac, Z306: J. B. Henninger, NASA RP-1121, 1984)",
+    ),
 )
 
 NON_METALS: dict[str, NonMetal] = {row.material.name: row for row in _ROWS}

@@ -1,7 +1,7 @@
 """Everything about the simulated camera that a user can set, and what a preset of the RealSense viewer says of it."""
 
 from collections.abc import Mapping
-from typing import Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
@@ -35,10 +35,11 @@ class SensorSettings(BaseModel):
     profile: str = "640x360"
     """Stream profile. Of the D435i's, 640x360 gives 60 x 40 and still measures at a recovery pose's 141 mm (Min-Z
     127 mm); 640x480, a crop of the chip with a longer focal length, begins at 153 mm."""
-    roll_deg: float = Field(default=0.0, ge=-180.0, le=180.0)
+    roll_deg: Annotated[float, Field(ge=-180.0, le=180.0)] | None = None
     """Turn of the camera in its mount about its optical axis, clockwise as the camera looks [deg]; 0 = baseline
-    horizontal, 90 = on end with the right imager below (choice: 0, as on a tripod). The camera measures from whatever
-    pose it is given: whoever makes poses turns them, the planner by `Parameters.roll_deg`, which the commands set from
+    horizontal, 90 = on end with the right imager below. None: as on the bench that the camera looks at, 90 on the
+    paper's (in its photographs the camera hangs on end), else 0, as on a tripod. The camera measures from whatever pose
+    it is given: whoever makes poses turns them, the planner by `Parameters.roll_deg`, which the commands set from
     here."""
     preset: str = "default"
     """Preset of the RealSense viewer: default, high_accuracy, high_density, medium_density, hand, or a JSON file (a
@@ -72,6 +73,11 @@ class SensorSettings(BaseModel):
         return preset if is_file_name(preset) or preset.lstrip().startswith("{") else load_preset(preset).name
 
     @property
+    def mount_roll_deg(self) -> float:
+        """`roll_deg`, 0 where no bench has said otherwise [deg]."""
+        return self.roll_deg or 0.0
+
+    @property
     def rig(self) -> Rig:
         """Imagers and projector, and the matcher's range."""
         return camera_rig(self.model, self.profile, load_preset(self.preset).shift)
@@ -82,7 +88,7 @@ class SensorSettings(BaseModel):
         return matcher_by_name(self.matcher, load_preset(self.preset))
 
     def resolved(self) -> "SensorSettings":
-        """The settings with the preset's content in place of its file.
+        """The settings with the preset's content in place of its file, and the mount's turn as a number.
 
         What concerns the matcher stays in `preset`, as text; the rest goes to the settings that it is about, unless
         they were changed from their defaults: whoever changes one after loading a preset means it.
@@ -90,6 +96,7 @@ class SensorSettings(BaseModel):
         preset, defaults = load_preset(self.preset), SensorSettings()
         imager, depth, others = preset_settings(preset, self.model)
         update: dict[str, Any] = {
+            "roll_deg": self.mount_roll_deg,
             "preset": preset.matcher_text,
             "imager": _over_defaults(self.imager, defaults.imager, imager),
             "depth": _over_defaults(self.depth, defaults.depth, depth),

@@ -50,13 +50,14 @@ def ceiling_panels() -> tuple[Lamp, ...]:
 def halogen_floods() -> tuple[Lamp, ...]:
     """Two 500 W floods with 0.19 x 0.14 m windows on stands, 1.4 m above the table, aimed at its centre, radiance 1."""
     return tuple(
-        Lamp(f"flood_{i}", _aimed(np.array([x, -0.9, 1.4])), 0.19, 0.14, 1.0) for i, x in enumerate((-1.1, 1.1))
+        Lamp(f"flood_{i}", aimed(np.array([x, -0.9, 1.4])), 0.19, 0.14, 1.0) for i, x in enumerate((-1.1, 1.1))
     )
 
 
-def _aimed(position: Float[np.ndarray, "3"]) -> RigidTransform:
-    """Pose at `position` whose +z looks at the origin, x level."""
-    z = -position / np.linalg.norm(position)
+def aimed(position: Float[np.ndarray, "3"], target: Float[np.ndarray, "3"] | None = None) -> RigidTransform:
+    """Pose at `position` whose +z looks at the target (the origin), x level; not for one straight above or below."""
+    way = (np.zeros(3) if target is None else target) - position
+    z = way / np.linalg.norm(way)
     x = np.cross(z, [0.0, 0.0, 1.0])
     x = x / np.linalg.norm(x)
     return RigidTransform.from_components(position, Rotation.from_matrix(np.column_stack([x, np.cross(z, x), z])))

@@ -35,6 +35,8 @@ class Body:
     material: Material
     is_part: bool
     """True for what is to be reconstructed; False for table, room, fixtures."""
+    is_fixture: bool = False
+    """True for what stands within a robot's reach above the table and is not the part; cameras may not touch it."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,11 @@ class Scene:
     def part_bodies(self) -> tuple[Body, ...]:
         """The bodies that belong to the part."""
         return tuple(body for body in self.bodies if body.is_part)
+
+    @property
+    def fixtures(self) -> tuple[Body, ...]:
+        """The bodies that a camera must keep clear of beside the part and what that stands on."""
+        return tuple(body for body in self.bodies if body.is_fixture)
 
     def part_mesh(self) -> Mesh:
         """The part as one mesh (positions and faces only)."""

@@ -38,33 +38,53 @@ def table(top: Material | None = None) -> Body:
 
 def room() -> tuple[Body, ...]:
     """Floor, walls, ceiling and furniture around the table, closed on all sides and looking inward."""
-    length, depth, height = ROOM_SIZE
-    middle = height / 2 - TABLE_HEIGHT
+    materials = material("concrete"), material("white_paint"), material("white_paint")
+    return (
+        *shell(ROOM_SIZE, (0.0, 0.0), -TABLE_HEIGHT, materials),
+        *(box_on_floor(*entry, -TABLE_HEIGHT) for entry in _FURNITURE),
+    )
+
+
+def shell(
+    size: tuple[float, float, float],
+    centre: tuple[float, float],
+    floor_z: float,
+    materials: tuple[Material, Material, Material],
+) -> tuple[Body, ...]:
+    """Floor, walls and ceiling of a room of length, depth and height `size` around x, y `centre` [m], looking inward.
+
+    floor_z: world z of the floor [m]. materials: of floor, walls, ceiling.
+    """
+    (length, depth, height), (x, y) = size, centre
+    middle = floor_z + height / 2
     walls = [
-        _upright(width, height, (x, y, middle), turn)
-        for width, x, y, turn in (
+        _upright(width, height, (x + dx, y + dy, middle), turn)
+        for width, dx, dy, turn in (
             (length, 0, depth / 2, 0),
             (depth, -length / 2, 0, 90),
             (length, 0, -depth / 2, 180),
             (depth, length / 2, 0, 270),
         )
     ]
-    down = RigidTransform.from_components([0, 0, height - TABLE_HEIGHT], Rotation.from_euler("x", 180, degrees=True))
-    floor = moved(rectangle(length, depth), RigidTransform.from_translation([0, 0, -TABLE_HEIGHT]))
+    down = RigidTransform.from_components([x, y, floor_z + height], Rotation.from_euler("x", 180, degrees=True))
+    floor = moved(rectangle(length, depth), RigidTransform.from_translation([x, y, floor_z]))
+    of_floor, of_walls, of_ceiling = materials
     return (
-        Body("floor", floor, material("concrete"), is_part=False),
-        Body("walls", joined(walls), material("white_paint"), is_part=False),
-        Body("ceiling", moved(rectangle(length, depth), down), material("white_paint"), is_part=False),
-        *(_box_on_floor(*entry) for entry in _FURNITURE),
+        Body("floor", floor, of_floor, is_part=False),
+        Body("walls", joined(walls), of_walls, is_part=False),
+        Body("ceiling", moved(rectangle(length, depth), down), of_ceiling, is_part=False),
     )
+
+
+def box_on_floor(
+    name: str, spec: str, centre: tuple[float, float], size: tuple[float, float, float], floor_z: float
+) -> Body:
+    """A box of that material on the floor at world z `floor_z`, its middle at x, y `centre` [m]."""
+    pose = RigidTransform.from_translation([*centre, size[2] / 2 + floor_z])
+    return Body(name, moved(box(size), pose), material(spec), is_part=False)
 
 
 def _upright(width: float, height: float, centre: tuple[float, float, float], turn: float) -> Mesh:
     """Rectangle that looks along -y, then turned about z by `turn` degrees."""
     rotation = Rotation.from_euler("xz", [90, turn], degrees=True)
     return moved(rectangle(width, height), RigidTransform.from_components(np.array(centre), rotation))
-
-
-def _box_on_floor(name: str, spec: str, centre: tuple[float, float], size: tuple[float, float, float]) -> Body:
-    pose = RigidTransform.from_translation([*centre, size[2] / 2 - TABLE_HEIGHT])
-    return Body(name, moved(box(size), pose), material(spec), is_part=False)

@@ -30,7 +30,7 @@ def main() -> None:
     scene = part_scene("D1")
     for name, changed in CHOICES.items():
         camera = SimulatedD435i(scene, SensorSettings(crop=None, **changed))
-        pose = first_view(Parameters(roll_deg=camera.settings.roll_deg), 0.0)
+        pose = first_view(Parameters(roll_deg=camera.settings.mount_roll_deg), 0.0)
         measured, truth = camera.measure(pose, 1), camera.truth(pose)
         part, depth = looks_at_part(truth, scene), measured.depths[0]
         missing = 100 * np.mean(depth[part] == 0)

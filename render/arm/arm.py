@@ -4,6 +4,7 @@ The arm is joint-free: it knows its reach, the speeds of its tool and the outlin
 joint angles and no links. Its motion times are those of a straight move, so they bound a planned one from below.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,7 +14,7 @@ from franbv.frames import look_at, rolled
 from materials.input_error import InputError
 from render.arm.camera_body import CAMERA_BODIES, WRIST_RADIUS, CameraBody
 from render.arm.solid import Solid
-from scenes.scene import Mesh
+from scenes.scene import Body, Mesh
 
 SHOULDER_HEIGHT = 0.338
 """Of axis 2 above the base [m] (ROS-Industrial's model of ABB's CRB 15000-12/1.27)."""
@@ -54,8 +55,10 @@ class SimulatedArm:
 
     They carry the camera's roll, and the outline of what moves with it turns with them. A pose can be taken if that
     imager is in the workspace, the wrist within reach of the shoulder, and housing, bracket and wrist keep CLEARANCE
-    from the table and the part and are not inside it. A move takes the longer of two trapezoidal times, way and turn: a
-    lower bound of a planned one. Left out: joints and links, collisions on the way, lamps and walls.
+    from the table, the part and the fixtures around it and are not inside them. Of a part on a plinth the plinth's top
+    counts as the table, and what is lower beside it as under the table. A move takes the longer of two trapezoidal
+    times, way and turn: a lower bound of a planned one. Left out: joints and links, collisions on the way, lamps under
+    a ceiling and walls.
     """
 
     part: Solid
@@ -65,20 +68,32 @@ class SimulatedArm:
     """Where the camera is now; at first above the table, looking down on the origin (choice)."""
     body: CameraBody = CAMERA_BODIES["d435i"]
     """What it carries."""
+    fixtures: Mapping[str, Solid] = field(default_factory=dict)
+    """What else it may not touch, by name."""
 
     @classmethod
     def around(
-        cls, part: Mesh, limits: ArmLimits | None = None, model: str = "d435i", roll_deg: float = 0.0
+        cls,
+        part: Mesh,
+        limits: ArmLimits | None = None,
+        model: str = "d435i",
+        roll_deg: float = 0.0,
+        fixtures: Sequence[Body] = (),
     ) -> "SimulatedArm":
-        """An arm beside this part (world frame) that carries a camera of this model, turned so in its mount."""
+        """An arm beside this part (world frame) that carries a camera of this model, turned so in its mount.
+
+        fixtures: what stands around the part, `Scene.fixtures`.
+        """
         arm = cls(Solid.from_mesh(part), limits or ArmLimits(), body=CAMERA_BODIES[model])
+        arm.fixtures = {body.name: Solid.from_mesh(body.mesh) for body in fixtures}
         arm.T_world_cam = rolled(arm.T_world_cam, roll_deg)
         return arm
 
     def obstacle(self, T_world_cam: RigidTransform) -> str | None:
         """Why the camera cannot stand at this pose, None if it can.
 
-        `outside workspace`, `under table`, `out of reach`, `inside part` or `touches part`, the first that applies.
+        `outside workspace`, `under table`, `out of reach`, `inside part` or `touches part`, the first that applies; and
+        the last two with the name of a fixture in place of `part`.
         """
         wrist = T_world_cam.apply(self.body.wrist_axis)
         lower, upper = self.limits.workspace
@@ -90,15 +105,16 @@ class SimulatedArm:
         shoulder = np.add(self.limits.base, (0.0, 0.0, SHOULDER_HEIGHT))
         if np.linalg.norm(wrist[1] - shoulder) > self.limits.reach:
             return "out of reach"
-        return self._part_contact(T_world_cam)
+        contacts = (self._contact(T_world_cam, *one) for one in (("part", self.part), *self.fixtures.items()))
+        return next((contact for contact in contacts if contact), None)
 
-    def _part_contact(self, T_world_cam: RigidTransform) -> str | None:
-        """`touches part` if the surface comes close to anything that moves, `inside part` if it encloses it."""
+    def _contact(self, T_world_cam: RigidTransform, name: str, solid: Solid) -> str | None:
+        """`touches` if the surface comes close to anything that moves, `inside` if it encloses it."""
         ball = T_world_cam.apply(self.body.ball_centre)
-        near = T_world_cam.inv().apply(self.part.samples_within(ball, self.body.ball_radius + CLEARANCE))
+        near = T_world_cam.inv().apply(solid.samples_within(ball, self.body.ball_radius + CLEARANCE))
         if np.any(np.minimum(self.body.box_distance(near), self.body.wrist_distance(near)) < CLEARANCE):
-            return "touches part"
-        return "inside part" if self.part.winding_number(T_world_cam.translation) > 0.5 else None
+            return f"touches {name}"
+        return f"inside {name}" if solid.winding_number(T_world_cam.translation) > 0.5 else None
 
     def reachable(self, T_world_cam: RigidTransform) -> bool:
         """Whether the camera can stand at this pose without collision."""

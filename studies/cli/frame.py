@@ -21,7 +21,7 @@ from studies.base.console import say, say_json, strict_json, warn
 from studies.base.flags import parse_case_command
 from studies.base.single_case import made_once
 from studies.cli.pose_text import camera_pose
-from studies.run.scene_settings import Subject, SubjectSettings, build_subject, resolved
+from studies.run.scene_settings import Subject, SubjectSettings, build_subject, on_bench, resolved
 from studies.store.cause_files import colour_map, decimated_map, legend, legend_picture
 from studies.store.images import MM, millimetres, write_exr, write_png
 from studies.work.maker import versions
@@ -56,9 +56,9 @@ class FrameSettings(SubjectSettings):
 def run(args: list[str]) -> int:
     """Take the frame, unless it is there already."""
     command = parse_case_command(FrameSettings, args, "franbv frame", _HELP)
-    settings = command.settings
+    settings = on_bench(command.settings)
     subject = build_subject(settings)
-    pose = camera_pose(settings.pose, subject.scene, settings.sensor.roll_deg)
+    pose = camera_pose(settings.pose, subject.scene, settings.sensor.mount_roll_deg)
     for notice in subject.notices:
         warn(f"franbv frame: {notice}")
     config = resolved(settings)

@@ -20,7 +20,7 @@ def camera_pose(text: str | None, scene: Scene, roll_deg: float = 0.0) -> RigidT
 
     `azimuth,elevation,distance` counts from the middle of the part's bounding box, azimuth from world x towards y.
     `eye:x,y,z` is the position. Either way the camera looks at that middle, turned by its roll. InputError for a pose
-    under the table or inside a part body.
+    under the table, inside a part body or inside what stands around it.
     """
     if text is None:
         pose = first_view(Parameters(roll_deg=roll_deg), 0.0)
@@ -60,6 +60,9 @@ def _check_free(text: str, eye: Float[np.ndarray, "3"], scene: Scene) -> None:
     for body in scene.part_bodies:
         if Solid.from_mesh(body.mesh).winding_number(eye) > 0.5:
             raise InputError(f"{where} is inside the part (body {body.name}); move it out")
+    for body in scene.fixtures:
+        if Solid.from_mesh(body.mesh).winding_number(eye) > 0.5:
+            raise InputError(f"{where} is inside the {body.name}; move it out")
     for walls in (body.mesh.vertices for body in scene.bodies if body.name == "walls"):
         if np.any(eye < walls.min(axis=0)) or np.any(eye > walls.max(axis=0)):
             raise InputError(f"{where} is outside the room; move it nearer to the part")

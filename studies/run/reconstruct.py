@@ -46,7 +46,12 @@ def simulate(
     camera = SimulatedD435i(subject.scene, config.sensor, config.seed)
     captures = KeptCaptures(take_with(camera), camera.intrinsics, camera.min_z, folder, shared)
     reference = reference_surface(subject.scene, lambda points, normals: seen_from_above(camera.world, points, normals))
-    arm = SimulatedArm.around(subject.scene.part_mesh(), model=config.sensor.model, roll_deg=config.sensor.roll_deg)
+    arm = SimulatedArm.around(
+        subject.scene.part_mesh(),
+        model=config.sensor.model,
+        roll_deg=config.sensor.mount_roll_deg,
+        fixtures=subject.scene.fixtures,
+    )
     write_run(folder, config, subject.title, captures, arm, reference, watched)
 
 

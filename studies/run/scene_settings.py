@@ -15,8 +15,9 @@ from materials.user_materials import UserMaterials, load_user_materials, named_f
 from render.d435i import SensorSettings
 from render.depth.decimation import crop_centre, decimated_intrinsics
 from render.matcher.d400_preset import is_file_name, load_preset
-from scenes.build import COUPONS, coupon_scene, part_scene, scene_on_table
+from scenes.build import BENCHES, COUPONS, BenchName, coupon_scene, part_scene, scene_on_table
 from scenes.cad.cad_file import file_name
+from scenes.paper_bench.table import plinth_material
 from scenes.part_materials import part_materials
 from scenes.parts import ALL_PARTS, part_description
 from scenes.scene import Scene
@@ -42,10 +43,16 @@ class SubjectSettings(Config):
     real things."""
     materials_file: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """YAML file with materials of your own."""
-    lamps: str = "workshop"
-    """Lamp preset."""
+    bench: BenchName = "workshop"
+    """What it stands on and in: `workshop`, a pine table in a room; `paper`, the paper's plinth on its table under a
+    task lamp in a hall, the camera on end."""
+    plinth: Annotated[Literal["black", "white"] | None, tyro.conf.arg(metavar="black|white")] = None
+    """Colour of the paper's plinth; black is the paper's."""
+    lamps: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
+    """Lamp preset of the bench. workshop: workshop, dim, bright, halogen or off; paper: task (task lamp and hall), hall
+    or off; the first is its own."""
     room: bool = True
-    """Whether there is a room around the table."""
+    """Whether there is a room around the table, or a hall around the paper's."""
     seed: Annotated[int, Field(ge=0)] = 0
     """Root seed of all randomness, the sensor's noise and the planner's choices."""
     sensor: SensorSettings = SensorSettings()
@@ -69,8 +76,29 @@ class Subject:
     """What was mended in a CAD file, and what a preset's file says in vain, one line each."""
 
 
+BENCH_ROLL_DEG: dict[BenchName, float] = {"workshop": 0.0, "paper": 90.0}
+"""Turn of the camera in its mount [deg]: as on a tripod, and as in the paper's photographs of its bench, on end."""
+
+
+def on_bench(settings: AnySubject) -> AnySubject:
+    """The settings with what the bench decides where they leave it open: lamps, plinth, turn of the camera.
+
+    InputError for a plinth where there is none.
+    """
+    bench, plinth, sensor = settings.bench, settings.plinth, settings.sensor
+    if bench == "paper":
+        plinth = plinth or "black"
+    elif plinth:
+        raise InputError(f"plinth {plinth}: the {bench}'s table has no plinth; leave it out, or add --bench paper")
+    if sensor.roll_deg is None:
+        sensor = sensor.model_copy(update={"roll_deg": BENCH_ROLL_DEG[bench]})
+    lamps = settings.lamps or BENCHES[bench].lamps
+    return settings.model_copy(update={"plinth": plinth, "lamps": lamps, "sensor": sensor})
+
+
 def build_subject(settings: SubjectSettings) -> Subject:
     """The scene that the settings describe; InputError for whatever is wrong with them. Loads no renderer."""
+    settings = on_bench(settings)
     if (settings.part is None) == (settings.mesh is None):
         raise InputError(
             "nothing to look at; give either --part A, B, C, D or another, or --mesh FILE with --units and --material"
@@ -87,7 +115,7 @@ def build_subject(settings: SubjectSettings) -> Subject:
     if part not in ALL_PARTS:
         raise InputError(f"part {part}: there is none; choose {', '.join([*ALL_PARTS, *COUPONS])}")
     materials = part_materials(settings.material, user) if settings.material else None
-    scene = part_scene(part, materials, settings.lamps, room=settings.room)
+    scene = part_scene(part, materials, **_bench_of(settings))
     changed = f", as {', '.join(settings.material)}" if settings.material else ""
     return Subject(f"Part {part}, {part_description(part)}{changed}", scene, notices)
 
@@ -104,12 +132,12 @@ def check_sensor(sensor: SensorSettings) -> tuple[str, ...]:
 
 def mounted(parameters: Parameters, sensor: SensorSettings) -> Parameters:
     """The planner's parameters for this sensor: its mount alone says how the camera is turned."""
-    if parameters.roll_deg not in (0.0, sensor.roll_deg):
+    if parameters.roll_deg not in (0.0, sensor.mount_roll_deg):
         raise InputError(
-            f"parameters.roll_deg {parameters.roll_deg:g}: the sensor is turned by {sensor.roll_deg:g} deg; give "
+            f"parameters.roll_deg {parameters.roll_deg:g}: the sensor is turned by {sensor.mount_roll_deg:g} deg; give "
             "sensor.roll_deg alone, the planner takes it from there"
         )
-    return parameters.model_copy(update={"roll_deg": sensor.roll_deg})
+    return parameters.model_copy(update={"roll_deg": sensor.mount_roll_deg})
 
 
 def with_sensor_resolved(settings: AnyModel) -> AnyModel:
@@ -124,7 +152,9 @@ def preset_files(name: str, sensor: SensorSettings) -> list[Path]:
 
 
 def resolved(settings: AnySubject) -> AnySubject:
-    """The settings that decide the result: input files by name and content, not by where they lie."""
+    """The settings that decide the result: what the bench decides as `on_bench` has it, and input files by name and
+    content, not by where they lie."""
+    settings = on_bench(settings)
     files = {name: path for name in ("mesh", "materials_file") if (path := getattr(settings, name)) is not None}
     names = {name: Path(file_name(path)) for name, path in files.items()}
     digests = {name: file_digest(path) for name, path in files.items()}
@@ -135,9 +165,15 @@ def resolved(settings: AnySubject) -> AnySubject:
     return with_sensor_resolved(settings).model_copy(update={**names, "digests": digests})
 
 
+def _bench_of(settings: SubjectSettings) -> dict[str, Any]:
+    """What the settings say of the surroundings, by the arguments of `scenes.build`."""
+    top = plinth_material(settings.plinth) if settings.plinth else None
+    return {"lamps": settings.lamps, "table_material": top, "room": settings.room, "bench": settings.bench}
+
+
 def _from_file(settings: SubjectSettings, path: Path, user: UserMaterials, notices: tuple[str, ...]) -> Subject:
     part = load_user_part(path, settings.units, part_materials(settings.material, user), settings.up)
-    scene = scene_on_table(part.name, part.bodies, settings.lamps, room=settings.room)
+    scene = scene_on_table(part.name, part.bodies, **_bench_of(settings))
     title = f"{file_name(path)}, {', '.join(settings.material)}"
     return Subject(title, scene, (*part.notices, *notices))
 
@@ -145,5 +181,5 @@ def _from_file(settings: SubjectSettings, path: Path, user: UserMaterials, notic
 def _coupon(settings: SubjectSettings, coupon: str, user: UserMaterials, notices: tuple[str, ...]) -> Subject:
     if len(settings.material) != 1:
         raise InputError(f"{coupon}: a coupon needs one material; give --material metal:finish")
-    scene = coupon_scene(coupon, material(settings.material[0], user), settings.lamps, room=settings.room)
+    scene = coupon_scene(coupon, material(settings.material[0], user), **_bench_of(settings))
     return Subject(f"{coupon.replace('_', ' ').capitalize()}, {settings.material[0]}", scene, notices)

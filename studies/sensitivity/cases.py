@@ -190,7 +190,7 @@ def look_pose(look: Look, scene: Scene) -> RigidTransform:
     outward = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
     eye = middle + look.distance_m * (np.sin(polar) * outward + [0.0, 0.0, np.cos(polar)])
     # Straight down there is no upright: the image's top then points where it points at every other polar angle.
-    return rolled(look_at(eye, middle, -outward if look.polar_deg == 0 else None), look.sensor.roll_deg)
+    return rolled(look_at(eye, middle, -outward if look.polar_deg == 0 else None), look.sensor.mount_roll_deg)
 
 
 def subject_middle(subject: str, scene: Scene) -> Float[np.ndarray, "3"]:

@@ -88,7 +88,7 @@ def recovery_rows(view: LitView, planned: Planned, config: CaseConfig) -> tuple[
     pose, parameters = view.measurement.T_world_cam, config.parameters
     camera = view.camera.changed(**plain_paths(config.other_paths))
     scout, part, sensor = camera.changed(**SCOUT_SAMPLING), camera.world.source.part_mesh(), config.sensor
-    arm = SimulatedArm.around(part, model=sensor.model, roll_deg=sensor.roll_deg)
+    arm = SimulatedArm.around(part, model=sensor.model, roll_deg=sensor.mount_roll_deg)
     planner = fra()
     assert planner.recovery is not None
     region = planned.detection.boxes[0]

@@ -5,6 +5,7 @@ import yaml
 from pydantic import ValidationError
 
 from franbv.parameters import Parameters
+from franbv.voxel_map import empty_map
 
 
 def test_defaults_are_the_paper_s_table():
@@ -13,6 +14,13 @@ def test_defaults_are_the_paper_s_table():
     assert (p.max_iterations, p.stagnation_change, p.stagnation_iterations) == (15, 0.01, 5)
     assert (p.voxel_size, p.n_frames, p.recovered_share) == (0.0075, 15, 0.3)
     assert (p.stand_off, p.n_candidates, p.lateral_offset, p.recovery_distance) == (0.2, 32, 0.1, 0.1)
+
+
+def test_the_map_has_the_paper_s_voxels():
+    """67 x 67 x 43 is printed in the parameter table of the authors' project page; the part stands on the middle."""
+    grid = empty_map(Parameters())
+    assert grid.log_odds.shape == (67, 67, 43)
+    assert (grid.first[:2] == -33).all()
 
 
 def test_every_field_names_unit_and_source():

@@ -5,11 +5,14 @@ import pytest
 import trimesh
 from scipy.spatial.transform import RigidTransform, Rotation
 
+from franbv.candidates import first_view
 from franbv.frames import look_at, rolled
+from franbv.parameters import Parameters
 from materials.input_error import InputError
 from render.arm.arm import CLEARANCE, ArmLimits, SimulatedArm, motion_time, trapezoidal_time
 from render.arm.camera_body import CAMERA_BODIES, WRIST_RADIUS, CameraBody
 from render.arm.solid import Solid
+from scenes.paper_bench.task_lamp import lamp_on_arm, task_lamp
 from scenes.scene import Mesh
 
 BODY = CAMERA_BODIES["d435i"]
@@ -174,3 +177,45 @@ def test_the_arm_starts_with_the_mount_s_roll():
     """No time is spent on a turn that the mount has: an upright arm's first move and a rolled one's take as long."""
     times = [SimulatedArm.around(block(), roll_deg=roll).move_to(rolled(above(0.4), roll)) for roll in (0.0, 90.0)]
     assert times[0] == pytest.approx(times[1], rel=0.2)
+
+
+def paper_arm(roll_deg: float = 90.0) -> SimulatedArm:
+    """An arm on the paper's bench, with a block on the plinth."""
+    return SimulatedArm.around(block(), roll_deg=roll_deg, fixtures=(lamp_on_arm(),))
+
+
+def test_the_camera_keeps_out_of_the_task_lamp():
+    """Facing the luminous front along its axis, the housing's front, 4.3 mm before the depth origin, may come within
+    the clearance of the head's rim and no nearer; in the middle of the head, 13 mm behind the front, it is inside."""
+    arm, lamp = paper_arm(), task_lamp().T_world_lamp
+    axis = lamp.rotation.apply([0.0, 0.0, 1.0])
+
+    def facing(distance: float) -> RigidTransform:
+        return look_at(lamp.translation + distance * axis, lamp.translation - axis)
+
+    nearest = BODY.box[1, 2] + CLEARANCE
+    assert arm.obstacle(facing(0.3)) is None
+    assert arm.obstacle(facing(nearest - 5e-4 - 1e-3)) == "touches task lamp"
+    sideways = look_at(lamp.translation - 0.013 * axis, lamp.translation - 0.013 * axis + [0.0, 1.0, 0.0])
+    assert arm.obstacle(sideways) == "touches task lamp"
+    thin = SimulatedArm(
+        Solid.from_mesh(block()), body=CameraBody(np.full((2, 3), 1e-4)), fixtures={"lamp": arm.fixtures["task lamp"]}
+    )
+    assert thin.fixtures["lamp"].winding_number(lamp.translation - 0.013 * axis) == pytest.approx(1.0)
+    with pytest.raises(InputError, match="task lamp; choose a free pose"):
+        arm.move_to(sideways)
+
+
+def test_beside_the_plinth_nothing_goes_below_its_top():
+    """The plinth's top is the table of planner and arm: 2 cm below it, 30 cm beside the middle, is under the table, on
+    end as well as level, though the table itself is 45 mm lower."""
+    for roll in (0.0, 90.0):
+        eye = np.array([-0.3, 0.0, -0.02])
+        assert paper_arm(roll).obstacle(rolled(look_at(eye, np.array([0.0, 0.0, -0.02])), roll)) == "under table"
+
+
+@pytest.mark.parametrize("roll_deg", [0.0, 90.0])
+def test_all_first_views_of_the_paper_are_free(roll_deg):
+    """Fifteen starts around the plinth, level or on end: the lamp is in none's way."""
+    arm, parameters = paper_arm(roll_deg), Parameters(roll_deg=roll_deg)
+    assert [arm.obstacle(first_view(parameters, 24.0 * k)) for k in range(15)] == [None] * 15

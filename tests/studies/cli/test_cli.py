@@ -158,6 +158,13 @@ def test_bad_poses(capsys: pytest.CaptureFixture[str], tmp_path: Path):
     }
     for pose, expected in cases.items():
         assert expected in _one_line(capsys, "frame", "--part", "A", "--out", str(tmp_path / "o"), f"--pose={pose}")
+    on_paper = ("--part", "A", "--bench", "paper", "--out", str(tmp_path / "o"))
+    for pose, expected in {
+        "eye:0.3,0,-0.02": "under the table",  # beside the plinth, above the table under it
+        "eye:0.511,0.051,0.406": "inside the task lamp",
+        "eye:0,9,1": "outside the room",
+    }.items():
+        assert expected in _one_line(capsys, "frame", *on_paper, f"--pose={pose}")
     assert not (tmp_path / "o").exists()
 
 

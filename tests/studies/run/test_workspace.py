@@ -60,6 +60,6 @@ def test_what_no_depth_can_tell_from_the_table_is_refused():
 
 
 def test_what_does_not_fit_the_box_is_refused():
-    """A sheet half a metre tall does not fit under 0.36 m."""
-    with pytest.raises(InputError, match="do not fit into the mapped box of 480 x 480 x 375 mm"):
+    """A sheet half a metre tall does not fit under 0.3 m."""
+    with pytest.raises(InputError, match="do not fit into the mapped box of 495 x 495 x 315 mm"):
         check_workspace(sheet(0.5), Parameters())

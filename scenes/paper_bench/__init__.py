@@ -1,0 +1,1 @@
+"""The bench of the paper, as its authors' photographs show it: plinth, table, task lamp, hall."""
