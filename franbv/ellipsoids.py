@@ -38,6 +38,17 @@ class Ellipsoids:
     def __len__(self) -> int:
         return len(self.centres)
 
+    def of_occupied(self) -> "Ellipsoids":
+        """E_o alone."""
+        return self._those(~self.is_frontier)
+
+    def of_frontier(self) -> "Ellipsoids":
+        """E_f alone."""
+        return self._those(self.is_frontier)
+
+    def _those(self, which: Bool[np.ndarray, "k"]) -> "Ellipsoids":
+        return Ellipsoids(self.centres[which], self.shapes[which], self.is_frontier[which])
+
 
 def fit_ellipsoids(
     occupied: Float[np.ndarray, "n 3"],

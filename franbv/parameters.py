@@ -14,6 +14,7 @@ Count = Annotated[int, Field(ge=1)]
 PolarAngle = Annotated[float, Field(ge=0, le=90)]
 Vector = tuple[float, float, float]
 RankBy = Literal["distance", "depth"]
+Weighting = Literal["geometric", "harmonic"]
 
 
 def _number(default, description: str):
@@ -58,6 +59,16 @@ class Parameters(BaseModel):
     miss_probability: Share = _number(0.4, "Occupancy of a voxel that a ray crosses [-]. OctoMap's default.")
     min_probability: Share = _number(0.12, "Lower clamp of the occupancy [-]. OctoMap's default (0.1192).")
     max_probability: Share = _number(0.97, "Upper clamp of the occupancy [-]. OctoMap's default (0.971).")
+    occupied_probability: Share = _number(
+        0.5,
+        "Occupancy above which a voxel is occupied; from 0.5 to here it is uncertain [-]. Choice: 0.5, OctoMap's "
+        "default; at hit_probability one hit does not make a voxel occupied.",
+    )
+    frames_into_map: Literal["median", "each"] = _number(
+        "median",
+        "What of a burst enters the map: the median of its frames once, or every frame. Choice: median; the frames of "
+        "one pose share what is wrong with them, so that each of them would count it anew.",
+    )
     carve_on_missing: bool = _number(
         False,
         "Whether pixels without depth carve their rays free. Choice: no, it would erase the very holes; an ablation.",
@@ -101,6 +112,11 @@ class Parameters(BaseModel):
     weight_base: Share = _number(
         0.5, "Weight of an ellipsoid is weight_base^rank [-]. Published PB-NBV code; 1 turns the weights off."
     )
+    weighting: Weighting = _number(
+        "geometric",
+        "How the weight falls with the rank: weight_base^rank, or 1 / (rank + 1). Published PB-NBV code; the text, "
+        "below eq. (2), says that it falls.",
+    )
     rank_by: RankBy = _number(
         "distance",
         "What ellipsoids are ranked by: distance of the centre from the camera, or its Z-depth. Text, below eq. (2); "
@@ -124,14 +140,41 @@ class Parameters(BaseModel):
     stagnation_change: Share = _number(
         0.01, "tau_stag, change of the best utility over the largest absolute utility so far [-]. Table."
     )
+    stagnation_against: Literal["largest", "last"] = _number(
+        "largest",
+        "What a change is relative to: the largest absolute utility so far, or the last one. Choice: the largest, "
+        "since U crosses zero and a ratio to the last value would not settle.",
+    )
     stagnation_iterations: Count = _number(5, "Consecutive iterations below tau_stag that end the run [-]. Table.")
 
     # -- reflective regions ------------------------------------------------------------------------------------------
     invalid_share: Share = _number(0.5, "eta at and above which a pixel is frequently invalid [-]. Eq. (7).")
+    detection_ellipsoids: Literal["updated", "previous"] = _number(
+        "updated",
+        "Ellipsoids that a burst's holes are held against: those with that burst in the map, or those before it. "
+        'Choice: updated; the text, section V-A, says "the current estimate".',
+    )
+    silhouette_of: Literal["all", "occupied"] = _number(
+        "all", "Ellipsoids whose projection is I_o: E_o and E_f, or E_o alone. Text, section V-A."
+    )
+    located_on: Literal["first_frontier", "nearest_frontier", "any"] = _number(
+        "first_frontier",
+        "Where a pixel's ray must end: at its first hit of all ellipsoids, if that one is of the frontier; at the "
+        "nearest one of the frontier, whatever lies before it; or at the first hit of any. Text, below eq. (9).",
+    )
     cluster_radius_voxels: Positive = _number(
         2.0, "DBSCAN eps [s_v]. Choice: neighbours survive a one-voxel gap, at any resolution of the map."
     )
     cluster_min_samples: Count = _number(5, "DBSCAN min_samples [pixels]. Choice: a blob of at least a pixel's cross.")
+
+    regions_recovered: Literal["largest", "all"] = _number(
+        "largest", "Regions of a burst that are recovered. Text, section V-B; all, by volume, is another reading."
+    )
+    recoveries_in_turn: Count = _number(
+        1,
+        "Recoveries in one NBV iteration at most: with more than one, the last burst of a recovery is searched as well "
+        "[-]. Choice: 1, the text tells of no recovery within another.",
+    )
 
     # -- recovery ----------------------------------------------------------------------------------------------------
     lateral_offset: Positive = _number(0.10, "rho, lateral offset of the recovery poses [m]. Table.")
@@ -151,6 +194,11 @@ class Parameters(BaseModel):
         "utility", "Order of the recovery poses. Text, eq. (14); random is an ablation."
     )
     recovered_share: Share = _number(0.3, "tau_rec, Gamma above which a recovery ends [-]. Table.")
+    capacity: Literal["volume", "sheet"] = _number(
+        "volume",
+        "N_cap, what Gamma is a share of: all voxels of the enlarged box (text, eq. (15)), or those of a sheet across "
+        "it, which is all that a surface can fill.",
+    )
 
     @model_validator(mode="after")
     def _ordered(self) -> "Parameters":
@@ -163,6 +211,8 @@ class Parameters(BaseModel):
         weakest = min(self.hit_probability - 0.5, 0.5 - self.miss_probability)
         if weakest < LEAST_UPDATE:
             raise ValueError(f"hit and miss must be at least {LEAST_UPDATE} away from 0.5, or they tell nothing")
+        if not 0.5 <= self.occupied_probability < self.max_probability:
+            raise ValueError("occupied_probability must be at least 0.5 and below max_probability")
         if self.polar_max_deg == 0.0:
             raise ValueError("polar_max_deg must be above 0, or all candidates stand in one place")
         if not self.polar_min_deg <= self.polar_max_deg:

@@ -25,11 +25,11 @@ from franbv.reflective_regions import (
     Filter,
     Locate,
     detect_reflective_regions,
-    first_hit_is_frontier,
+    located,
 )
 from franbv.sensing import DepthBurst
 from franbv.utility import recovery_utility, view_utilities
-from franbv.volumetric_information import Gain, compile_rays, view_information
+from franbv.volumetric_information import DEFAULT_GAIN, Gain, compile_rays, view_information
 from franbv.voxel_map import VoxelMap
 
 Score = Callable[[Model, Intrinsics, Sequence[RigidTransform], Parameters], Float[np.ndarray, "n"]]
@@ -80,12 +80,10 @@ class Planner:
 
 def pb() -> Planner:
     """PB-NBV: projected ellipsoid areas (paper, section III)."""
-    return Planner("pb", integrate_median, approximate_by_ellipsoids, score_by_projection)
+    return Planner("pb", integrate_burst, approximate_by_ellipsoids, score_by_projection)
 
 
-def fra(
-    filters: Mapping[str, Filter] = FILTERS, locate: Locate = first_hit_is_frontier, poses: Poses = diamond_poses
-) -> Planner:
+def fra(filters: Mapping[str, Filter] = FILTERS, locate: Locate = located, poses: Poses = diamond_poses) -> Planner:
     """FRA-NBV: PB-NBV with reflective regions identified and recovered (paper, section V).
 
     filters: the tests that a pixel must pass, by name; leave one out for an ablation.
@@ -97,10 +95,10 @@ def fra(
         return detect_reflective_regions(burst, model.ellipsoids, parameters, filters, locate)
 
     recovery = Recovery(detect, poses, score_by_region, judge_by_new_voxels)
-    return Planner("fra", integrate_median, approximate_by_ellipsoids, score_by_projection, recovery)
+    return Planner("fra", integrate_burst, approximate_by_ellipsoids, score_by_projection, recovery)
 
 
-def ray_entropy(gain: Gain = "occlusion_aware", within_object: bool = False) -> Planner:
+def ray_entropy(gain: Gain = DEFAULT_GAIN, within_object: bool = False) -> Planner:
     """Ray-cast entropy: the view whose rays promise most information on the map (paper, section VI).
 
     gain: what a voxel is worth to a ray.
@@ -115,12 +113,12 @@ def ray_entropy(gain: Gain = "occlusion_aware", within_object: bool = False) -> 
         return view_information(model.voxel_map, intrinsics, poses, gain, region)
 
     compile_rays()  # now, and not while the first decision is being timed
-    return Planner("re", integrate_median, without_ellipsoids, score)
+    return Planner("re", integrate_burst, without_ellipsoids, score)
 
 
 def random_views() -> Planner:
     """Any reachable candidate: what every other planner must beat."""
-    return Planner("random", integrate_median, without_ellipsoids, all_alike)
+    return Planner("random", integrate_burst, without_ellipsoids, all_alike)
 
 
 class KnownPlanner(NamedTuple):
@@ -145,10 +143,12 @@ else:
     PlannerName = Literal[tuple(PLANNERS)]
 
 
-def integrate_median(voxel_map: VoxelMap, burst: DepthBurst, parameters: Parameters) -> VoxelMap:
-    """One insertion per pose: the burst's median depth."""
-    depth = burst.median_depth(parameters.invalid_share)
-    return voxel_map.updated(depth, burst.intrinsics, burst.T_world_cam, parameters)
+def integrate_burst(voxel_map: VoxelMap, burst: DepthBurst, parameters: Parameters) -> VoxelMap:
+    """One insertion per pose, the burst's median depth; or one per frame, see `Parameters.frames_into_map`."""
+    frames = burst.depths if parameters.frames_into_map == "each" else [burst.median_depth(parameters.invalid_share)]
+    for depth in frames:
+        voxel_map = voxel_map.updated(depth, burst.intrinsics, burst.T_world_cam, parameters)
+    return voxel_map
 
 
 def approximate_by_ellipsoids(

@@ -48,12 +48,11 @@ def reconstruct(
     while True:
         iteration = len(best_utilities)  # 0 is the first view
         burst = cell.look(view.pose)  # (c)
-        model = cell.updated(model, burst)  # (a)
-        detection = cell.detect(burst, model)  # (d, e)
-        recovery_poses = cell.recovery_poses(detection, burst)
-        cell.record("nbv" if iteration else "first", iteration, view, burst, model, detection, recovery_poses)
-        if detection is not None and recovery_poses is not None:
-            model = cell.recovered(model, iteration, detection.boxes[0], recovery_poses)  # (f)
+        before, model = model, cell.updated(model, burst)  # (a)
+        detection = cell.detect(burst, before, model)  # (d, e)
+        recovery = cell.activated(detection, burst)
+        cell.record("nbv" if iteration else "first", iteration, view, burst, model, detection, recovery)
+        model = cell.recovered(model, iteration, recovery)  # (f)
         stop = stop_reason(best_utilities, parameters)
         if stop is not None:
             return Reconstruction(tuple(cell.acquisitions), stop)
@@ -71,6 +70,19 @@ class _View:
     pose: RigidTransform
     utility: float
     n_unreachable: int
+
+
+@dataclass(frozen=True, eq=False)
+class _Recovery:
+    """A region to recover."""
+
+    region: OrientedBox
+    """B_r*."""
+    poses: RecoveryPoses
+    seen: DepthBurst
+    """The burst that shows the region."""
+    others: tuple[OrientedBox, ...]
+    """Smaller regions of the same burst."""
 
 
 class _Cell:
@@ -115,38 +127,64 @@ class _Cell:
     def _modelling(self) -> tuple[Planner, Parameters, np.random.SeedSequence, Timed]:
         return self.planner, self.parameters, self.cluster_seeds.spawn(1)[0], self.clock.planning
 
-    def detect(self, burst: DepthBurst, model: Model) -> Detection | None:
+    def detect(self, burst: DepthBurst, before: Model, model: Model) -> Detection | None:
+        """Reflective regions in the burst; before, model: without and with it (`Parameters.detection_ellipsoids`)."""
         if self.planner.recovery is None:
             return None
         with self.clock.planning("detection"):
-            return self.planner.recovery.detect(burst, model, self.parameters)
+            known = before if self.parameters.detection_ellipsoids == "previous" else model
+            return self.planner.recovery.detect(burst, known, self.parameters)
 
-    def recovery_poses(self, detection: Detection | None, burst: DepthBurst) -> RecoveryPoses | None:
-        """Poses that see the largest region; None if there is none."""
-        if self.planner.recovery is None or detection is None or not detection.boxes:
+    def activated(self, detection: Detection | None, burst: DepthBurst) -> _Recovery | None:
+        """The recovery of the largest region; None if there is none."""
+        return None if detection is None else self._recovery_of(detection.boxes, burst)
+
+    def _recovery_of(self, regions: tuple[OrientedBox, ...], seen: DepthBurst) -> _Recovery | None:
+        if self.planner.recovery is None or not regions:
             return None
         with self.clock.planning("recovery_poses"):
-            return self.planner.recovery.poses(
-                detection.boxes[0], burst.T_world_cam, self.parameters, self.arm.reachable, self.camera.min_z
+            poses = self.planner.recovery.poses(
+                regions[0], seen.T_world_cam, self.parameters, self.arm.reachable, self.camera.min_z
             )
+        return _Recovery(regions[0], poses, seen, regions[1:])
 
-    def recovered(self, model: Model, iteration: int, region: OrientedBox, poses: RecoveryPoses) -> Model:
-        """The model after as many of the recovery poses as it takes until Gamma exceeds tau_rec."""
+    def recovered(self, model: Model, iteration: int, recovery: _Recovery | None) -> Model:
+        """The model after as many of the recovery's poses as it takes until Gamma exceeds tau_rec, and after those of
+        the recoveries that follow from it, in the readings that have any."""
+        n_recoveries = 1
+        while recovery is not None:
+            model, recovery = self._after(model, iteration, recovery, n_recoveries)
+            n_recoveries += 1
+        return model
+
+    def _after(
+        self, model: Model, iteration: int, recovery: _Recovery, n_recoveries: int
+    ) -> tuple[Model, _Recovery | None]:
+        """The model after one recovery, and the recovery that follows from it."""
         assert self.planner.recovery is not None
-        before, remaining, gamma = model, list(poses.poses), 0.0
+        at_activation, remaining, gamma, following = model, list(recovery.poses.poses), 0.0, None
+        if not remaining and self.parameters.regions_recovered == "all":
+            following = self._recovery_of(recovery.others, recovery.seen)
         while remaining and gamma <= self.parameters.recovered_share:
             with self.clock.planning("score"):
                 utilities = self.planner.recovery.score(
-                    model, region, self.camera.intrinsics, remaining, self.parameters
+                    model, recovery.region, self.camera.intrinsics, remaining, self.parameters
                 )
             chosen = self._order(utilities)
             view = _View(remaining.pop(chosen), float(utilities[chosen]), 0)
             burst = self.look(view.pose)
-            model = self.updated(model, burst)
+            before, model = model, self.updated(model, burst)
             with self.clock.planning("gamma"):
-                gamma, attainable = self.planner.recovery.judge(before, model, region, self.parameters)
-            self.record("recovery", iteration, view, burst, model, gamma=gamma, gamma_attainable=attainable)
-        return model
+                gamma, attainable = self.planner.recovery.judge(at_activation, model, recovery.region, self.parameters)
+            detection = None
+            if not remaining or gamma > self.parameters.recovered_share:
+                if self.parameters.regions_recovered == "all":
+                    following = self._recovery_of(recovery.others, recovery.seen)
+                if following is None and n_recoveries < self.parameters.recoveries_in_turn:
+                    detection = self.detect(burst, before, model)
+                    following = self.activated(detection, burst)
+            self.record("recovery", iteration, view, burst, model, detection, following, (gamma, attainable))
+        return model, following
 
     def next_best_view(self, model: Model) -> _View | None:
         """The reachable candidate of largest utility; None if the arm reaches none."""
@@ -170,11 +208,10 @@ class _Cell:
         burst: DepthBurst,
         model: Model,
         detection: Detection | None = None,
-        recovery_poses: RecoveryPoses | None = None,
-        gamma: float | None = None,
-        gamma_attainable: float | None = None,
+        recovery: _Recovery | None = None,
+        gammas: tuple[float, float] | None = None,
     ) -> None:
-        """Keep the acquisition and show it to the observer."""
+        """Keep the acquisition and show it to the observer. recovery: what it sets off; gammas: Gamma and attained."""
         depth = burst.median_depth(self.parameters.invalid_share)
         points = burst.T_world_cam.apply(back_project(depth, burst.intrinsics))
         spent = self.clock.read()
@@ -190,9 +227,9 @@ class _Cell:
                 utility=None if kind == "first" else view.utility,
                 n_unreachable=view.n_unreachable,
                 detection=detection,
-                recovery_poses=recovery_poses,
-                gamma=gamma,
-                gamma_attainable=gamma_attainable,
+                recovery_poses=None if recovery is None else recovery.poses,
+                gamma=gammas[0] if gammas else None,
+                gamma_attainable=gammas[1] if gammas else None,
                 planning_s={stage: time.thread_s for stage, time in spent.items()},
                 sensing_s=sensing_s,
                 motion_s=self.motion_s,

@@ -147,12 +147,13 @@ def recovery_index(
 
     occupied_before: at activation; occupied_now: after the recovery views so far.
     N_cap: voxels whose centre lies in the region grown by a voxel on every side. A sheet fills a third of them at most,
-    so Gamma alone says little about how complete a recovery is.
+    so Gamma alone says little about how complete a recovery is; with `Parameters.capacity` "sheet" both are the second.
     """
     size = parameters.voxel_size
     centres = voxels_in(region.grown(size), size)
     n_added = np.count_nonzero(voxel_map.lookup(occupied_now & ~occupied_before, centres))
-    return n_added / len(centres), n_added / min(sheet_voxels(region, size), len(centres))
+    attained = n_added / min(sheet_voxels(region, size), len(centres))
+    return attained if parameters.capacity == "sheet" else n_added / len(centres), attained
 
 
 def voxels_in(box: OrientedBox, voxel_size: float) -> Float[np.ndarray, "n 3"]:

@@ -5,7 +5,7 @@ or refuses. Each is a plain function of what was seen, so that it can be scored 
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -35,8 +35,9 @@ class View:
 
     @cached_property
     def silhouette(self) -> Bool[np.ndarray, "h w"]:
-        """I_o, the pixels of the projected ellipsoids."""
-        return silhouette(self.ellipsoids, self.burst.intrinsics, self.burst.T_world_cam)
+        """I_o, the pixels of the projected ellipsoids; see `Parameters.silhouette_of`."""
+        projected = self.ellipsoids if self.parameters.silhouette_of == "all" else self.ellipsoids.of_occupied()
+        return silhouette(projected, self.burst.intrinsics, self.burst.T_world_cam)
 
 
 Filter = Callable[[View], Bool[np.ndarray, "h w"]]
@@ -105,6 +106,11 @@ FILTERS: Mapping[str, Filter] = {
 """The paper's image filters in its order, by the name under which their masks are kept and scored."""
 
 
+def located(view: View, pixels: Bool[np.ndarray, "h w"]) -> Float[np.ndarray, "n 3"]:
+    """Fourth filter in the reading that `Parameters.located_on` names."""
+    return LOCATES[view.parameters.located_on](view, pixels)
+
+
 def first_hit_is_frontier(view: View, pixels: Bool[np.ndarray, "h w"]) -> Float[np.ndarray, "n 3"]:
     """Fourth filter: where a pixel's ray first meets an ellipsoid, if that one stands for frontier voxels."""
     points, first = first_hits(view, pixels)
@@ -116,6 +122,19 @@ def first_hit_is_frontier(view: View, pixels: Bool[np.ndarray, "h w"]) -> Float[
 def first_hit_of_any(view: View, pixels: Bool[np.ndarray, "h w"]) -> Float[np.ndarray, "n 3"]:
     """The fourth filter without its frontier test: where a pixel's ray first meets any ellipsoid. For ablations."""
     return first_hits(view, pixels)[0]
+
+
+def nearest_frontier_hit(view: View, pixels: Bool[np.ndarray, "h w"]) -> Float[np.ndarray, "n 3"]:
+    """The fourth filter with the frontier's ellipsoids alone: occupied ones before them refuse nothing."""
+    return first_hits(replace(view, ellipsoids=view.ellipsoids.of_frontier()), pixels)[0]
+
+
+LOCATES: Mapping[str, Locate] = {
+    "first_frontier": first_hit_is_frontier,
+    "nearest_frontier": nearest_frontier_hit,
+    "any": first_hit_of_any,
+}
+"""Readings of the fourth filter by the name that `Parameters.located_on` has for them."""
 
 
 def first_hits(view: View, pixels: Bool[np.ndarray, "h w"]) -> tuple[Float[np.ndarray, "n 3"], Int[np.ndarray, "n"]]:
@@ -134,7 +153,7 @@ def detect_reflective_regions(
     ellipsoids: Ellipsoids,
     parameters: Parameters,
     filters: Mapping[str, Filter] = FILTERS,
-    locate: Locate = first_hit_is_frontier,
+    locate: Locate = located,
 ) -> Detection:
     """Regions of missing depth that are persistent, on the object, coherent and not reconstructed yet.
 

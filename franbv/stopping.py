@@ -27,20 +27,27 @@ def stop_reason(best_utilities: Sequence[float], parameters: Parameters) -> Stop
 
     best_utilities: utility of the chosen view of each iteration so far [px^2].
     """
-    if stagnates(best_utilities, parameters.stagnation_change, parameters.stagnation_iterations):
+    if stagnates(
+        best_utilities,
+        parameters.stagnation_change,
+        parameters.stagnation_iterations,
+        parameters.stagnation_against == "last",
+    ):
         return StopReason.STAGNATION
     if len(best_utilities) >= parameters.max_iterations:
         return StopReason.MAX_ITERATIONS
     return None
 
 
-def stagnates(best_utilities: Sequence[float], change: float, iterations: int) -> bool:
+def stagnates(best_utilities: Sequence[float], change: float, iterations: int, against_last: bool = False) -> bool:
     """Whether each of the last `iterations` changes was below `change` of the largest absolute utility until then.
 
     Measured against the largest so far, because U crosses zero and a ratio to the last value would not settle.
+    against_last: measure against the last one all the same.
     """
     u = np.asarray(best_utilities, float)
     if len(u) <= iterations:
         return False
-    small = np.abs(np.diff(u)) < change * np.maximum.accumulate(np.abs(u))[1:]
+    size = np.abs(u)[:-1] if against_last else np.maximum.accumulate(np.abs(u))[1:]
+    small = np.abs(np.diff(u)) < change * size
     return bool(small[-iterations:].all())

@@ -29,7 +29,7 @@ def view_utilities(
         return np.zeros(0)
     poses = RigidTransform.concatenate(list(Ts_world_cam))
     areas = projected_areas(ellipsoids, intrinsics, poses, parameters.area_supersampling)  # (n, k)
-    weights = parameters.weight_base ** ranks(nearness(ellipsoids, poses, parameters.rank_by))
+    weights = rank_weights(ranks(nearness(ellipsoids, poses, parameters.rank_by)), parameters)
     return np.sum(weights * areas * np.where(ellipsoids.is_frontier, 1.0, -1.0), axis=1)
 
 
@@ -47,7 +47,7 @@ def recovery_utility(
     in_sight = T_cam_world.apply(region.corners())[:, 2].max() > 0.0
     of_region = _far(T_cam_world.apply(region.centre), parameters.rank_by) if in_sight else np.inf
     all_of_them = np.append(nearness(ellipsoids, T_world_cam, parameters.rank_by), of_region)
-    weights = parameters.weight_base ** ranks(all_of_them)
+    weights = rank_weights(ranks(all_of_them), parameters)
     return float(np.sum(weights * areas * np.append(np.where(ellipsoids.is_frontier, 1.0, -1.0), 1.0)))
 
 
@@ -63,6 +63,11 @@ def nearness(ellipsoids: Ellipsoids, T_world_cam: RigidTransform, rank_by: RankB
 def _far(points: Float[np.ndarray, "*k 3"], rank_by: RankBy) -> Float[np.ndarray, "*k"]:
     """Distance or Z-depth of points in the camera frame [m]."""
     return np.asarray(np.linalg.norm(points, axis=-1) if rank_by == "distance" else points[..., 2])
+
+
+def rank_weights(rank: Int[np.ndarray, "*poses k"], parameters: Parameters) -> Float[np.ndarray, "*poses k"]:
+    """w_j of each rank, 1 for the nearest; see `Parameters.weighting`."""
+    return parameters.weight_base**rank if parameters.weighting == "geometric" else 1.0 / (rank + 1.0)
 
 
 def ranks(values: Float[np.ndarray, "*poses k"]) -> Int[np.ndarray, "*poses k"]:

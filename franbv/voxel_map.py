@@ -25,9 +25,10 @@ below the weakest update that `Parameters` allow)."""
 class VoxelMap:
     """Occupancy of the workspace; an update returns a new map.
 
-    L = ln(p / (1 - p)) of each voxel: L > 0 is occupied, L < 0 free, L = 0 uncertain (paper, section III-A; the update
-    is OctoMap's, Hornung et al. 2013, clamped). Voxels are taken as independent and the scene as still. Pixels without
-    depth tell nothing, unless `Parameters.carve_on_missing`. What lies outside the grid is lost.
+    L = ln(p / (1 - p)) of each voxel: L > `threshold` is occupied, L < 0 free, what lies between uncertain (paper,
+    section III-A; the update is OctoMap's, Hornung et al. 2013, clamped). Voxels are taken as independent
+    and the scene as still. Pixels without depth tell nothing, unless `Parameters.carve_on_missing`. What lies outside
+    the grid is lost.
     """
 
     first: Int[np.ndarray, "3"]
@@ -39,11 +40,13 @@ class VoxelMap:
     cancelled: Bool[np.ndarray, "x y z"] | None = None
     """Voxels whose hits and misses are equally strong, so that as little is known as of those that no ray has touched;
     None = there is no such voxel."""
+    threshold: float = 0.0
+    """Log-odds above which a voxel is occupied [-]; up to there from 0 on it is uncertain."""
 
     @property
     def occupied(self) -> Bool[np.ndarray, "x y z"]:
-        """V_o: more likely occupied than not."""
-        return self.log_odds > UNDECIDED
+        """V_o: more likely occupied than not, and than `threshold` asks for."""
+        return self.log_odds > self.threshold + UNDECIDED
 
     @property
     def free(self) -> Bool[np.ndarray, "x y z"]:
@@ -52,13 +55,14 @@ class VoxelMap:
 
     @property
     def uncertain(self) -> Bool[np.ndarray, "x y z"]:
-        """V_u: as likely occupied as free, whether rays have touched it or not."""
-        return np.abs(self.log_odds) <= UNDECIDED
+        """V_u: as likely occupied as free, whether rays have touched it or not; or not occupied surely enough."""
+        return (self.log_odds >= -UNDECIDED) & (self.log_odds <= self.threshold + UNDECIDED)
 
     @property
     def untouched(self) -> Bool[np.ndarray, "x y z"]:
         """Voxels that no ray has met."""
-        return self.uncertain if self.cancelled is None else self.uncertain & ~self.cancelled
+        level = np.abs(self.log_odds) <= UNDECIDED
+        return level if self.cancelled is None else level & ~self.cancelled
 
     @property
     def touched(self) -> Bool[np.ndarray, "x y z"]:
@@ -117,7 +121,12 @@ def empty_map(parameters: Parameters) -> VoxelMap:
     """The workspace with nothing known."""
     first = np.round(np.array(parameters.workspace_min) / parameters.voxel_size).astype(np.int64)
     last = np.round(np.array(parameters.workspace_max) / parameters.voxel_size).astype(np.int64)
-    return VoxelMap(first, parameters.voxel_size, np.zeros(last - first + 1, np.float32))
+    return VoxelMap(
+        first,
+        parameters.voxel_size,
+        np.zeros(last - first + 1, np.float32),
+        threshold=float(_logit(parameters.occupied_probability)),
+    )
 
 
 def extent(mask: Bool[np.ndarray, "x y z"], margin: int = 0) -> tuple[slice, slice, slice]:

@@ -9,8 +9,8 @@ from pydantic import Field
 
 from franbv.parameters import Parameters
 from franbv.planners import PLANNERS, Planner, fra, ray_entropy
-from franbv.reflective_regions import FILTERS, View, first_hit_is_frontier, first_hit_of_any
-from franbv.volumetric_information import Gain
+from franbv.reflective_regions import FILTERS, View, first_hit_of_any, located
+from franbv.volumetric_information import DEFAULT_GAIN, Gain
 from studies.base.config import Config
 
 FilterName = Literal["persistence", "erosion", "frontier"]
@@ -86,10 +86,10 @@ def build_planner(name: str, ablation: Ablation) -> Planner:
         filters = {name: keeps for name, keeps in FILTERS.items() if name != left_out}
         if ablation.without_filter == "persistence":
             filters = {"invalid_in_first_frame": invalid_in_first_frame, **filters}
-        locate = first_hit_of_any if ablation.without_filter == "frontier" else first_hit_is_frontier
+        locate = first_hit_of_any if ablation.without_filter == "frontier" else located
         return fra(filters, locate)
     if name == "re":
-        return ray_entropy(ablation.gain or "occlusion_aware", ablation.within_object)
+        return ray_entropy(ablation.gain or DEFAULT_GAIN, ablation.within_object)
     return PLANNERS[name].build()
 
 
@@ -124,6 +124,7 @@ ABLATIONS: dict[str, NamedAblation] = {
     "full_covariance": NamedAblation("components of any shape", "fra", Ablation(full_covariance=True)),
     "unweighted": NamedAblation("no weights by nearness", "fra", Ablation(unweighted=True)),
     "ranked_by_depth": NamedAblation("ellipsoids ranked by Z-depth", "fra", Ablation(ranked_by_depth=True)),
+    "re_occlusion_aware": NamedAblation("RE, unknown voxels half empty", "re", Ablation(gain="occlusion_aware")),
     "re_unobserved": NamedAblation("RE, untouched voxels only", "re", Ablation(gain="unobserved")),
     "re_entropy": NamedAblation("RE, entropy up to the first surface", "re", Ablation(gain="entropy")),
     "re_rear_side": NamedAblation("RE, rear sides", "re", Ablation(gain="rear_side")),
