@@ -23,7 +23,7 @@ time that it takes to simulate one."""
 
 MAP_COLUMN = "filtered_coverage_5mm"
 """Column of a run's acquisitions that holds the coverage of the map: all figures of it here come from this column."""
-COVERAGE, CONTRIBUTED, RAW_COVERAGE = "coverage_map_5mm", "recovery_contribution", "coverage_5mm"
+MAP_COVERAGE, CONTRIBUTED, RAW_COVERAGE = "coverage_map_5mm", "recovery_contribution", "coverage_5mm"
 """Figures of a run [-]: coverage of the map at the end, what recovery views added to it, coverage of the raw cloud."""
 
 
@@ -60,7 +60,7 @@ class Record:
     def figures(self) -> dict[str, Any]:
         """The summary, and what the map says of the same run."""
         _, recovered = self.increments(RECOVERY)
-        return {**self.summary, COVERAGE: float(self.coverage[-1]), CONTRIBUTED: float(recovered.sum())}
+        return {**self.summary, MAP_COVERAGE: float(self.coverage[-1]), CONTRIBUTED: float(recovered.sum())}
 
     def by_iteration(self, values: Float[np.ndarray, "k"]) -> Float[np.ndarray, "i"]:
         """The values after each NBV iteration with its recoveries; index 0 is the first view."""
@@ -139,7 +139,7 @@ def _losses(rows: list[dict[str, Any]]) -> dict[str, float]:
 
 
 SUMMARY_COLUMNS = {
-    COVERAGE: "Share of the visible surface within 5 mm of what the final map holds [-]",
+    MAP_COVERAGE: "Share of the visible surface within 5 mm of what the final map holds [-]",
     CONTRIBUTED: "What recovery views added to that share, view by view [-]",
     RAW_COVERAGE: "Share of the visible surface within 5 mm of the raw cloud [-]",
     "filtered_coverage_5mm": "The same of the points in occupied voxels [-]",

@@ -6,7 +6,7 @@ from typing import Literal, get_args
 import numpy as np
 from jaxtyping import Float
 
-from studies.comparison.records import CONTRIBUTED, COVERAGE, RAW_COVERAGE, Record
+from studies.comparison.records import CONTRIBUTED, MAP_COVERAGE, RAW_COVERAGE, Record
 from studies.statistics.boxes import TukeyBox, box_of
 from studies.statistics.intervals import (
     Difference,
@@ -26,7 +26,7 @@ Cloud = Literal["map", "raw"]
 ATS, CLOUDS = get_args(At), get_args(Cloud)
 
 FIGURES = (
-    COVERAGE,
+    MAP_COVERAGE,
     CONTRIBUTED,
     RAW_COVERAGE,
     "filtered_coverage_5mm",
@@ -76,12 +76,12 @@ class Comparison:
         known = self.values(part, arm, name)
         return mean_interval(known) if known else None
 
-    def median(self, part: str, arm: str, name: str = COVERAGE) -> MedianEstimate | None:
+    def median(self, part: str, arm: str, name: str = MAP_COVERAGE) -> MedianEstimate | None:
         """Median of one of FIGURES with its interval; None where there is no run that has it."""
         known = self.values(part, arm, name)
         return median_interval(known) if known else None
 
-    def box(self, part: str, arm: str, name: str = COVERAGE) -> TukeyBox | None:
+    def box(self, part: str, arm: str, name: str = MAP_COVERAGE) -> TukeyBox | None:
         """Quartiles and whiskers of the same."""
         known = self.values(part, arm, name)
         return box_of(known) if known else None
@@ -90,7 +90,7 @@ class Comparison:
         """A figure made of the arms' median coverages, over the starts that all of them have; None without any."""
         found = [self._by_arm.get((part, arm), {}) for arm in arms]
         starts = sorted(set.intersection(*(set(runs) for runs in found)))
-        ends = np.array([[runs[start].figures[COVERAGE] for runs in found] for start in starts])
+        ends = np.array([[runs[start].figures[MAP_COVERAGE] for runs in found] for start in starts])
         return interval_of_medians(ends, figure) if starts else None
 
     def difference(self, part: str, ours: str, theirs: str, at: At = "end", cloud: Cloud = "map") -> Difference | None:

@@ -9,7 +9,7 @@ from studies.comparison.paper import PAPER_PARTS
 from studies.comparison.paper_results import paper_findings
 from studies.comparison.paper_verdicts import verdict_words
 from studies.comparison.planning_speed import SPEED_JOB
-from studies.comparison.records import CONTRIBUTED, COVERAGE
+from studies.comparison.records import CONTRIBUTED, MAP_COVERAGE
 from studies.comparison.statistics import Comparison
 from studies.statistics.intervals import Interval
 from studies.statistics.medians import MedianEstimate
@@ -44,7 +44,7 @@ def json_summary(comparison: Comparison, parts: Sequence[str], planners: Sequenc
 
 def arm_summary(comparison: Comparison, part: str, arm: str) -> dict[str, Any]:
     """Medians and means of one arm on one part; null where there is no finished run."""
-    covered = comparison.median(part, arm, COVERAGE)
+    covered = comparison.median(part, arm, MAP_COVERAGE)
 
     def mean(name: str) -> float | None:
         interval = comparison.figure(part, arm, name)
@@ -55,7 +55,7 @@ def arm_summary(comparison: Comparison, part: str, arm: str) -> dict[str, Any]:
         return estimate.value if estimate else None
 
     return {
-        COVERAGE: covered.value if covered else None,
+        MAP_COVERAGE: covered.value if covered else None,
         "coverage_map_ci95": _ends(covered),
         "activations": median("recovery_activations"),
         CONTRIBUTED: median(CONTRIBUTED),
@@ -83,11 +83,12 @@ def paragraph(comparison: Comparison, planned: int, failed: int) -> str:
     rest = f" of {planned} that are planned" if missing else ", all that were planned"
     rest += f"; {counted(failed, 'run')} failed" if failed else ""
     verdicts = verdict_words(finding.verdict for finding in paper_findings(comparison))
-    return f"{done}{rest}. {_goal_words(comparison)} {verdicts}"
+    of_paper = any(comparison.has(part) for part in PAPER_PARTS)
+    return f"{done}{rest}. {_goal_words(comparison) + ' ' if of_paper else ''}{verdicts}"
 
 
 def _goal_words(comparison: Comparison) -> str:
-    """`Of 15 goals 3 are met, 10 have too few runs.`."""
+    """`Of 15 goals, set by the paper's figures, 3 are met; 10 have too few runs to say.`."""
     found = [judged.verdict for judged in judge(comparison)]
     met, few = found.count(MET), found.count(TOO_FEW_RUNS)
     rest = f"; {few} have too few runs to say" if few else ""

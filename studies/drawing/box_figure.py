@@ -82,7 +82,7 @@ def _panel(panel: BoxPanel, series: Sequence[BoxSeries], left: float, width: flo
 
 
 def _group(group: BoxGroup, series: Sequence[BoxSeries], form: str, middle: float, step: float, y: svg.Scale) -> Markup:
-    share = 0.8 * step / max(len(series), 1)
+    share = min(0.8 * step / max(len(series), 1), 1.5 * WIDEST_BOX)
     width = min(WIDEST_BOX, 0.8 * share)
     pieces = [svg.text(middle, BOX_PLOT.bottom + 20, group.name, "tick-label mid strong")]
     for k, (one, box) in enumerate(zip(series, group.boxes, strict=True)):

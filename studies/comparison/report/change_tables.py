@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from studies.comparison.links import LINKED_PLANNERS, LINKS, arm_name
-from studies.comparison.records import CONTRIBUTED, COVERAGE, RAW_COVERAGE
+from studies.comparison.records import CONTRIBUTED, MAP_COVERAGE, RAW_COVERAGE
 from studies.comparison.statistics import Comparison
 from studies.drawing.cells import POINTS, mean, signed
 from studies.run.ablation import ABLATIONS
@@ -46,7 +46,7 @@ def variant_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[str,
         found = {
             name: interval
             for name in (["re", *ran] if ran else [])
-            if shared.pairs(part, "fra", name) and (interval := shared.figure(part, name, COVERAGE))
+            if shared.pairs(part, "fra", name) and (interval := shared.figure(part, name, MAP_COVERAGE))
         }
         best = max(found, key=lambda name: found[name].mean, default=None)
         rows += [
@@ -86,8 +86,8 @@ def changed_link_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict
                     "first": arms == LINKED_PLANNERS,
                     "words": words,
                     "pairs": end.interval.count if end else 0,
-                    "fra": mean(shared.figure(part, fra, COVERAGE), POINTS, ".1f"),
-                    "pb": mean(shared.figure(part, pb, COVERAGE), POINTS, ".1f"),
+                    "fra": mean(shared.figure(part, fra, MAP_COVERAGE), POINTS, ".1f"),
+                    "pb": mean(shared.figure(part, pb, MAP_COVERAGE), POINTS, ".1f"),
                     "fra_raw": mean(shared.figure(part, fra, RAW_COVERAGE), POINTS, ".1f"),
                     "pb_raw": mean(shared.figure(part, pb, RAW_COVERAGE), POINTS, ".1f"),
                     "end": signed(end),

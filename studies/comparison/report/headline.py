@@ -7,9 +7,12 @@ import numpy as np
 from render.arm.arm import ArmLimits
 from scenes.parts import PART_NAMES, part_description
 from studies.base.numbers_as_text import counted, number
+from studies.comparison.cases import run_settings
 from studies.comparison.paper import FINAL_COVERAGE, PAPER_PARTS, paper_lead
 from studies.comparison.preset import CORNER, ComparisonPreset
 from studies.comparison.statistics import Comparison
+from studies.run.ablation import Ablation
+from studies.run.reconstruct import ReconstructSettings
 from studies.statistics.medians import MedianEstimate, first_less_second
 
 ARM = ArmLimits()
@@ -43,14 +46,17 @@ def _lead_words(lead: MedianEstimate) -> str:
 
 def bench_words(parts: Sequence[str], preset: ComparisonPreset) -> list[tuple[str, str]]:
     """What was run and on which bench, term by term."""
-    sensor, parameters = preset.sensor, preset.parameters
+    if not parts:
+        return []
+    run = run_settings(preset, parts[0], preset.planners[0], 0, Ablation())
+    sensor, parameters = run.sensor, run.parameters
     crop = f", the middle {sensor.crop[0]} x {sensor.crop[1]} pixels of it" if sensor.crop else ""
     mount = f"turned by {sensor.roll_deg:g}\u00b0 about its axis" if sensor.roll_deg else "level"
     planned = counted(preset.runs, "start")
     return [
         ("Objects", "; ".join(part_words(part, preset) for part in parts)),
         ("Methods", f"{', '.join(arm.upper() for arm in preset.planners)}, each from {planned} around each object"),
-        ("Light", f"lamps \u201c{preset.lamps}\u201d"),
+        ("Surroundings", ", ".join(f"{name} \u201c{value}\u201d" for name, value in _surroundings(run).items())),
         (
             "Camera",
             f"simulated {sensor.model.upper()}, stream {sensor.profile}, preset {_preset_words(sensor.preset)}, laser "
@@ -62,6 +68,12 @@ def bench_words(parts: Sequence[str], preset: ComparisonPreset) -> list[tuple[st
             f"{parameters.max_iterations} NBV iterations, recoveries of up to {parameters.n_recovery_poses} views",
         ),
     ]
+
+
+def _surroundings(run: ReconstructSettings) -> dict[str, str]:
+    """What stands around the object, by the names of the settings; what the run has none of is left out."""
+    named = {name: getattr(run, name, None) for name in ("bench", "plinth", "lamps")}
+    return {name: value for name, value in named.items() if value}
 
 
 def _preset_words(preset: str) -> str:

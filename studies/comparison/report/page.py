@@ -6,6 +6,7 @@ from typing import Any
 
 from studies.base.atomic_file import write_atomically
 from studies.comparison.goals import judge
+from studies.comparison.paper import PAPER_PARTS
 from studies.comparison.paper_results import paper_findings
 from studies.comparison.paper_verdicts import DIRECTION, FOUND, TOO_FEW, UNKNOWN
 from studies.comparison.planning_speed import stored_speed
@@ -91,7 +92,7 @@ def comparison_html(
             covered=coverage_rows(comparison, parts, arms),
             leads=lead_rows(comparison, parts, [arm for arm in arms if arm != "fra"]),
             recovered=recovered_rows(comparison, parts),
-            goals=goal_rows(judge(comparison)),
+            goals=goal_rows(judge(comparison)) if any(part in PAPER_PARTS for part in parts) else [],
             coverage_boxes=coverage_boxes(comparison, parts, arms, short),
             recovery_boxes=recovery_boxes(comparison, parts),
             levels=increment_rows(comparison, parts),

@@ -14,7 +14,7 @@ from studies.base.numbers_as_text import counted, percent
 from studies.comparison.links import LINKED_PLANNERS, LINKS, arm_name
 from studies.comparison.paper import PAPER_PARTS, paper_lead
 from studies.comparison.paper_results import points
-from studies.comparison.records import COVERAGE, RAW_COVERAGE
+from studies.comparison.records import MAP_COVERAGE, RAW_COVERAGE
 from studies.comparison.statistics import Comparison
 from studies.drawing.cells import signs
 from studies.run.ablation import ABLATIONS
@@ -62,7 +62,9 @@ def _chain(comparison: Comparison, part: str, recovered_share: float) -> Iterato
 
 def _taken_back(comparison: Comparison, part: str) -> Iterator[str]:
     """What the map does not hold any more of what was seen, whatever the cause."""
-    raw, held, free = (comparison.figure(part, "fra", name) for name in (RAW_COVERAGE, COVERAGE, "wrongly_free_share"))
+    raw, held, free = (
+        comparison.figure(part, "fra", name) for name in (RAW_COVERAGE, MAP_COVERAGE, "wrongly_free_share")
+    )
     if raw and held and free:
         yield (
             f"FRA's final map calls {percent(free.mean)} of the surface's voxels free, and covers {percent(held.mean)} "

@@ -7,12 +7,12 @@ import numpy as np
 
 from studies.comparison.paper import ITERATION_S, paper_ratio
 from studies.comparison.paper_verdicts import adjusted_p
-from studies.comparison.records import CONTRIBUTED, COVERAGE, RAW_COVERAGE
+from studies.comparison.records import CONTRIBUTED, MAP_COVERAGE, RAW_COVERAGE
 from studies.comparison.statistics import ATS, CLOUDS, Comparison
 from studies.drawing.cells import NO_NUMBER, POINTS, mean, mean_and_range, probability, seconds, signed, with_range
 
 ARM_CELLS = {
-    "coverage": (mean_and_range, COVERAGE, POINTS, ".1f"),
+    "coverage": (mean_and_range, MAP_COVERAGE, POINTS, ".1f"),
     "raw": (mean_and_range, RAW_COVERAGE, POINTS, ".1f"),
     "accuracy": (mean, "accuracy_mm", 1.0, ".1f"),
     "f_score": (mean, "f_score", 1.0, ".2f"),
