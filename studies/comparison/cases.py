@@ -6,12 +6,12 @@ from pathlib import Path
 
 from materials.input_error import InputError
 from studies.base.case_folder import case_digest, finished_case, writing
-from studies.comparison.links import LINKED_PLANNERS, LINKS, arm_name
+from studies.comparison.links import LINKED_PLANNERS, LINKS, LinkChange, arm_name
 from studies.comparison.preset import CORNER, ComparisonPreset
 from studies.run.ablation import ABLATIONS, Ablation
 from studies.run.reconstruct import ReconstructSettings, check_workspace, resolved_run, simulate
 from studies.run.run_case import RUN_COMMAND
-from studies.run.scene_settings import build_subject
+from studies.run.scene_settings import SubjectSettings, build_subject
 from studies.run.shared_bursts import SharedCaptures
 from studies.run.starts.runs import seed_at
 from studies.work.workers import Job
@@ -43,7 +43,7 @@ class PlannedRun:
     @property
     def title(self) -> str:
         """For people, short enough for a progress display."""
-        return f"{self.part} {self.arm}, run {self.run + 1}"
+        return f"{self.part} {self.arm}, start {self.run + 1}"
 
 
 @dataclass(frozen=True)
@@ -72,14 +72,14 @@ def planned_runs(preset: ComparisonPreset) -> list[PlannedRun]:
 def _of_planners(preset: ComparisonPreset) -> Iterator[PlannedRun]:
     for part in [*preset.parts, *([CORNER] if preset.corner else [])]:
         for planner in preset.planners:
-            for run in range(preset.runs):
+            for run in preset.start_numbers:
                 yield PlannedRun(part, planner, run, run_settings(preset, part, planner, run, Ablation()))
 
 
 def _of_ablations(preset: ComparisonPreset) -> Iterator[PlannedRun]:
     for part in preset.ablated_parts:
         for name in preset.ablations:
-            for run in _some_starts(preset):
+            for run in preset.changed_start_numbers:
                 _, planner, change = ABLATIONS[name]
                 yield PlannedRun(part, name, run, run_settings(preset, part, planner, run, change))
 
@@ -88,26 +88,23 @@ def _of_links(preset: ComparisonPreset) -> Iterator[PlannedRun]:
     for part in preset.ablated_parts:
         for link in preset.links:
             for planner in LINKED_PLANNERS:
-                for run in _some_starts(preset):
-                    config = LINKS[link].changed(run_settings(preset, part, planner, run, Ablation()))
-                    yield PlannedRun(part, arm_name(planner, link), run, config)
-
-
-def _some_starts(preset: ComparisonPreset) -> list[int]:
-    """The starts of ablations and changed links: in even steps around the part."""
-    n = min(preset.ablation_runs, preset.runs)
-    return [k * preset.runs // n for k in range(n)]
+                for run in preset.changed_start_numbers:
+                    plain, config = (
+                        run_settings(preset, part, planner, run, Ablation(), change) for change in (None, LINKS[link])
+                    )
+                    if config != plain:  # the study may stand at what the link changes to
+                        yield PlannedRun(part, arm_name(planner, link), run, config)
 
 
 def run_settings(
-    preset: ComparisonPreset, part: str, planner: str, run: int, ablation: Ablation
+    preset: ComparisonPreset, part: str, planner: str, run: int, ablation: Ablation, link: LinkChange | None = None
 ) -> ReconstructSettings:
     """What `franbv reconstruct` would be told for this run.
 
     The start and the seed depend on the azimuth alone, so that a comparison with more runs takes over those of one with
-    a third of them.
+    fewer of the same starts.
     """
-    azimuth = 360.0 * run / preset.runs
+    azimuth = 360.0 * run / preset.starts
     settings = ReconstructSettings(
         part=part,
         material=(preset.corner,) if part == CORNER and preset.corner else (),
@@ -119,7 +116,7 @@ def run_settings(
         parameters=preset.parameters,
         ablation=ablation,
     )
-    return resolved_run(settings)
+    return resolved_run(link.changed(settings) if link else settings)
 
 
 def jobs(out: Path, runs: list[PlannedRun]) -> list[Job]:
@@ -142,8 +139,9 @@ def do_run(task: RunTask) -> None:
 
 
 def check_runs(runs: list[PlannedRun]) -> None:
-    """InputError now for what would fail in every worker: lamps, materials, parts that the mapped box does not hold."""
-    subjects = {(planned.part, planned.config.material, planned.config.lamps): planned.config for planned in runs}
+    """InputError now for what would fail in every worker, such as an unknown material or too large a part."""
+    fields = set(SubjectSettings.model_fields) - {"seed"}
+    subjects = {planned.config.model_dump_json(include=fields): planned.config for planned in runs}
     for config in subjects.values():
         check_workspace(build_subject(config).scene, config.parameters)
     if not runs:

@@ -1,96 +1,169 @@
-"""The goals of a comparison: what FRA was to reach on each part, wherever and by whichever cloud one compares."""
+"""The goals of a comparison: how near the paper's figures ours were to come, each with its interval and a verdict."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import Any
 
-from studies.comparison.paper_numbers import FRA_LESS_PB_ON_D, FRA_LESS_RE_ON_D
-from studies.comparison.paper_results import COMPARABLE, rising
-from studies.comparison.statistics import At, Cloud, Comparison
-from studies.statistics.intervals import Interval
+from studies.comparison.paper import ACTIVATIONS, FINAL_COVERAGE, PAPER_PARTS, paper_lead, paper_order
+from studies.comparison.statistics import Comparison
+from studies.statistics.intervals import LEVEL, least_p
+from studies.statistics.medians import MedianEstimate, first_less_second, least_step_down
 
-ATS, CLOUDS = get_args(At), get_args(Cloud)
+LEAD_SLACK, LEVEL_SLACK, ACTIVATION_SLACK = 0.08, 0.10, 2.0
+"""How far from the paper's medians ours may lie: FRA's lead over PB [-], the coverage of one method [-],
+activations [-] (choice, set before any run)."""
+MET, NOT_MET, TOO_FEW_RUNS = "met", "not met", "too few runs"
+
+Estimates = list[MedianEstimate | None]
+"""None where there are no runs."""
 
 
 @dataclass(frozen=True)
 class Goal:
-    """A bound on the mean coverage of FRA less a baseline."""
+    """What the runs were to show."""
 
     name: str
     """In the JSON."""
-    part: str
-    baseline: str
-    low: float
-    """Bounds [-], both of them allowed."""
-    high: float = 1.0
-
-    @property
-    def words(self) -> str:
-        """For people."""
-        what = f"{self.part}: FRA less {self.baseline.upper()}"
-        if self.high < 1.0:
-            return f"{what} within {100 * self.high:.0f} points"
-        return f"{what} at least +{100 * self.low:.0f} points"
-
-    def holds(self, mean: float) -> bool:
-        """Whether the mean lies between the bounds."""
-        return self.low <= mean <= self.high
-
-
-GOALS = (
-    Goal("fra_less_pb_on_d", "D", "pb", FRA_LESS_PB_ON_D),
-    Goal("fra_less_re_on_d", "D", "re", FRA_LESS_RE_ON_D),
-    Goal("fra_less_pb_on_a", "A", "pb", -COMPARABLE, COMPARABLE),
-    Goal("fra_less_pb_on_b", "B", "pb", -COMPARABLE, COMPARABLE),
-)
+    words: str
+    """For people."""
+    wanted: str
+    """The paper's figure and what is near enough."""
+    scale: float
+    """Of the figures, to be read by people: 100 = points of coverage."""
+    form: str
+    """How they are written."""
+    estimates: Callable[[Comparison], Estimates]
+    """What the runs say: one figure, or several that are judged together."""
+    holds: Callable[[Sequence[float]], bool]
+    """Whether they are as wanted."""
 
 
 @dataclass(frozen=True)
-class Judged:
-    """A goal at one moment, by one cloud."""
+class JudgedGoal:
+    """A goal beside what the runs say."""
 
-    at: At
-    cloud: Cloud
-    interval: Interval
-    holds: bool
-    """Of the mean; the interval tells how surely."""
-
-
-def judge(comparison: Comparison, goal: Goal) -> list[Judged]:
-    """At the end, at equal iterations and at equal acquisitions, each raw and map-filtered; empty without pairs."""
-    return list(_judged(comparison, goal))
+    goal: Goal
+    found: Estimates
+    verdict: str
+    """Met or not met by the figures themselves, whose intervals tell how surely. Too few runs: their range holds the
+    median with less than 95 %."""
 
 
-def _judged(comparison: Comparison, goal: Goal) -> Iterator[Judged]:
-    for at in ATS:
-        for cloud in CLOUDS:
-            found = comparison.difference(goal.part, "fra", goal.baseline, at, cloud)
-            if found is not None:
-                yield Judged(at, cloud, found.interval, goal.holds(found.interval.mean))
+def judge(comparison: Comparison) -> list[JudgedGoal]:
+    """Every goal, also those that have no runs."""
+    return [JudgedGoal(goal, found := goal.estimates(comparison), _verdict(goal, found)) for goal in GOALS]
 
 
-def activations_rise(comparison: Comparison) -> tuple[list[float | None], bool | None]:
-    """Mean activations on A to D, and whether A <= B < C < D; None where a part has no runs."""
-    found = [comparison.figure(part, "fra", "recovery_activations") for part in "ABCD"]
-    known = [interval.mean for interval in found if interval]
-    return [i.mean if i else None for i in found], rising(known) if len(known) == len(found) else None
+def goals_json(judged: Sequence[JudgedGoal]) -> dict[str, dict[str, Any]]:
+    """By the goals' names: our figure with its interval, runs and verdict; lists where several are judged together."""
+    return {j.goal.name: {"wanted": j.goal.wanted, **_figures(j.found), "verdict": j.verdict} for j in judged}
 
 
-def goals_json(comparison: Comparison) -> dict[str, Any]:
-    """By the goals' names: `end`, `iterations`, `acquisitions`, each `raw` and `filtered`: mean, interval, holds."""
-    activations, rise = activations_rise(comparison)
-    return {
-        **{goal.name: _goal_json(judge(comparison, goal)) for goal in GOALS},
-        "activations_rise": {"mean": activations, "holds": rise},
-    }
+def rising(activations: Sequence[float]) -> bool:
+    """A <= B < C <= D."""
+    a, b, c, d = activations
+    return a <= b < c <= d
 
 
-def _goal_json(judged: list[Judged]) -> dict[str, dict[str, Any]]:
-    return {
-        at: {
-            j.cloud: {"mean": j.interval.mean, "ci95": [j.interval.low, j.interval.high], "holds": j.holds}
-            for j in judged
-            if j.at == at
+def _verdict(goal: Goal, found: Estimates) -> str:
+    known = [estimate for estimate in found if estimate]
+    if len(known) < len(found) or any(least_p(estimate.count) > LEVEL for estimate in known):
+        return TOO_FEW_RUNS
+    return MET if goal.holds([estimate.value for estimate in known]) else NOT_MET
+
+
+def _figures(found: Estimates) -> dict[str, Any]:
+    rows = list(_row(found))
+    figures = {key: [row[key] for row in rows] for key in rows[0]}
+    return figures if len(rows) > 1 else rows[0]
+
+
+def _row(found: Estimates) -> Iterator[dict[str, Any]]:
+    for e in found:
+        yield {
+            "ours": e.value if e else None,
+            "ci95": [e.low, e.high] if e else None,
+            "runs": e.count if e else 0,
         }
-        for at in ATS
-    }
+
+
+def _order(part: str) -> Goal:
+    order = paper_order(part)
+    return Goal(
+        f"order_{part.lower()}",
+        f"{part}: methods in the paper's order, smallest step down",
+        f"{' > '.join(arm.upper() for arm in order)}, each step above 0",
+        100.0,
+        "+z.1f",
+        lambda comparison: [comparison.of_medians(part, order, least_step_down)],
+        lambda found: found[0] > 0,
+    )
+
+
+def _lead(part: str) -> Goal:
+    paper = paper_lead(part, "pb")
+    return Goal(
+        f"fra_less_pb_{part.lower()}",
+        f"{part}: FRA less PB",
+        _near(paper, LEAD_SLACK, "+.1f"),
+        100.0,
+        "+z.1f",
+        lambda comparison: [comparison.of_medians(part, ("fra", "pb"), first_less_second)],
+        lambda found: abs(found[0] - paper) <= LEAD_SLACK,
+    )
+
+
+def _level(part: str, arm: str) -> Goal:
+    paper = FINAL_COVERAGE[part][arm].median
+    return Goal(
+        f"{arm}_{part.lower()}",
+        f"{part}: {arm.upper()} covers",
+        _near(paper, LEVEL_SLACK, ".1f"),
+        100.0,
+        ".1f",
+        lambda comparison: [comparison.median(part, arm)],
+        lambda found: abs(found[0] - paper) <= LEVEL_SLACK,
+    )
+
+
+def _near(paper: float, slack: float, form: str) -> str:
+    return f"{100 * paper:{form}}, within {100 * slack:.0f} points"
+
+
+def _activations(part: str) -> Goal:
+    paper = ACTIVATIONS[part].median
+    return Goal(
+        f"activations_{part.lower()}",
+        f"{part}: recoveries a run",
+        f"{paper:g}, within {ACTIVATION_SLACK:g}",
+        1.0,
+        "g",
+        lambda comparison: [_median_activations(comparison, part)],
+        lambda found: abs(found[0] - paper) <= ACTIVATION_SLACK,
+    )
+
+
+def _rise() -> Goal:
+    return Goal(
+        "activations_rise",
+        "Recoveries rise from part to part",
+        "A \u2264 B < C \u2264 D",
+        1.0,
+        "g",
+        lambda comparison: [_median_activations(comparison, part) for part in PAPER_PARTS],
+        rising,
+    )
+
+
+def _median_activations(comparison: Comparison, part: str) -> MedianEstimate | None:
+    return comparison.median(part, "fra", "recovery_activations")
+
+
+GOALS = (
+    *map(_order, PAPER_PARTS),
+    *map(_lead, PAPER_PARTS),
+    *(_level("D", arm) for arm in ("pb", "re")),
+    *map(_activations, PAPER_PARTS),
+    _rise(),
+)
+"""All of them."""

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from studies.base.numbers_as_text import number
-from studies.comparison.paper_numbers import paper_ratio
+from studies.comparison.paper import paper_ratio
 from studies.comparison.paper_verdicts import NEAR_SHARE, Finding, judged
 from studies.comparison.statistics import Comparison
 

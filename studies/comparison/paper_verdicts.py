@@ -32,7 +32,7 @@ class Finding:
     ours: str
     verdict: str
     otherwise: str = ""
-    """The same at equal acquisitions, raw and map-filtered."""
+    """The same at equal acquisitions, and of the raw cloud."""
 
 
 def adjusted_p(comparison: Comparison) -> dict[tuple[str, str], float]:

@@ -11,6 +11,7 @@ from render.d435i import SensorSettings
 from scenes.parts import PART_NAMES
 from studies.base.config import Preset
 from studies.comparison.links import LINKS
+from studies.comparison.paper import PAPER_PARTS, PAPER_RUNS
 from studies.run.ablation import ABLATIONS
 from studies.run.scene_settings import check_sensor, mounted
 
@@ -23,12 +24,15 @@ class ComparisonPreset(Preset):
 
     title: str
     """Headline of the report."""
-    runs: Count = 15
-    """Runs of each planner on each part; run i of n starts at azimuth 360 i / n (paper, section VI)."""
-    parts: tuple[str, ...] = PART_NAMES
-    """Of parts A to D."""
-    corner: str | None = "stainless_austenitic:bright"
-    """Material of the inside corner, None = without it. Choice: a bracket bent from cold-rolled stainless sheet."""
+    starts: Count = PAPER_RUNS
+    """Starts around the part; start i of n stands at azimuth 360 i / n (paper, section VI)."""
+    runs: Count = PAPER_RUNS
+    """How many of the starts each planner runs from on each part, in even steps: a study of few runs is a piece of the
+    one of all."""
+    parts: tuple[str, ...] = PAPER_PARTS
+    """Of our parts."""
+    corner: str | None = None
+    """Material of the inside corner, None = without it."""
     planners: tuple[PlannerName, ...] = ("fra", "pb", "re")
     """Planners, each on every part."""
     ablations: tuple[str, ...] = ()
@@ -39,7 +43,7 @@ class ComparisonPreset(Preset):
     """Links before the planner that are changed, by name, each with FRA and PB on `ablated_parts`."""
     ablation_runs: Count = 5
     """Runs of each ablation and of each changed link on each of these parts, of those above in even steps (choice: a
-    third)."""
+    third of the paper's)."""
     seed: Annotated[int, Field(ge=0)] = 0
     """Root of all randomness."""
     lamps: str = "workshop"
@@ -64,8 +68,21 @@ class ComparisonPreset(Preset):
                     raise ValueError(f"parts, ablations or links: there is no {word}; {suggest(word, known)}")
             if len(set(words)) < len(words):
                 raise ValueError(f"parts, ablations or links: {max(words, key=words.count)} stands there twice")
+        if self.runs > self.starts:
+            raise ValueError(f"{self.runs} runs from {self.starts} starts: give as many starts")
         if not (self.parts or self.corner):
             raise ValueError("nothing to reconstruct; name parts, or a material for the corner")
         check_sensor(self.sensor)
         mounted(self.parameters, self.sensor)
         return self
+
+    @property
+    def start_numbers(self) -> tuple[int, ...]:
+        """Of the starts that the planners run from."""
+        return tuple(k * self.starts // self.runs for k in range(self.runs))
+
+    @property
+    def changed_start_numbers(self) -> tuple[int, ...]:
+        """Of those among them from which ablations and changed links run."""
+        n = min(self.ablation_runs, self.runs)
+        return tuple(self.start_numbers[k * self.runs // n] for k in range(n))

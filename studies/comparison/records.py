@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from jaxtyping import Float, Int
 
 from studies.base.case_folder import finished_case
 from studies.comparison.cases import RUNS, PlannedRun
+from studies.run.acquisition_table import RECOVERY
 from studies.run.report.timing_figure import SENSING
 from studies.run.stored_run import StoredRun
 from studies.store.tables import Column
@@ -18,6 +20,11 @@ from studies.store.tables import Column
 FRAME_S = 1.0 / 30.0
 """Time that a real camera takes for a frame [s]: the D435i's default depth rate of 30 Hz (data sheet). Instead of the
 time that it takes to simulate one."""
+
+MAP_COLUMN = "filtered_coverage_5mm"
+"""Column of a run's acquisitions that holds the coverage of the map: all figures of it here come from this column."""
+MAP_COVERAGE, CONTRIBUTED, RAW_COVERAGE = "coverage_map_5mm", "recovery_contribution", "coverage_5mm"
+"""Figures of a run [-]: coverage of the map at the end, what recovery views added to it, coverage of the raw cloud."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,9 +39,9 @@ class Record:
     summary: Mapping[str, Any]
     """The summary of run.json."""
     coverage: Float[np.ndarray, "k"]
-    """C_k at 5 mm of the raw cloud."""
-    filtered: Float[np.ndarray, "k"]
-    """The same of the points in occupied voxels."""
+    """C_k at 5 mm of what the map holds."""
+    raw: Float[np.ndarray, "k"]
+    """The same of all points ever seen."""
     kinds: tuple[str, ...]
     """first, nbv or recovery, of each acquisition."""
     iterations: Int[np.ndarray, "k"]
@@ -48,6 +55,12 @@ class Record:
     """Of Python and what the planners and the sensor stand on."""
     losses: Mapping[str, float]
     """Sums over the run of what each step of the detection and recovery kept."""
+
+    @cached_property
+    def figures(self) -> dict[str, Any]:
+        """The summary, and what the map says of the same run."""
+        _, recovered = self.increments(RECOVERY)
+        return {**self.summary, MAP_COVERAGE: float(self.coverage[-1]), CONTRIBUTED: float(recovered.sum())}
 
     def by_iteration(self, values: Float[np.ndarray, "k"]) -> Float[np.ndarray, "i"]:
         """The values after each NBV iteration with its recoveries; index 0 is the first view."""
@@ -70,7 +83,7 @@ class Record:
         return {name: np.bincount(places, values[1:], minlength=n)[:n] for name, values in parts.items()}
 
     def increments(self, kind: str) -> tuple[Float[np.ndarray, "v"], Float[np.ndarray, "v"]]:
-        """Coverage before each view of a kind, and what the view added to it."""
+        """Coverage of the map before each view of a kind, and what the view added to it; it may have taken away."""
         of_kind = np.array(self.kinds) == kind
         before = np.concatenate([[0.0], self.coverage[:-1]])
         return before[of_kind], (self.coverage - before)[of_kind]
@@ -95,8 +108,8 @@ def _record(planned: PlannedRun, stored: StoredRun) -> Record:
         run=planned.run,
         case=planned.digest,
         summary=stored.run["summary"],
-        coverage=np.array([row["coverage_5mm"] for row in rows]),
-        filtered=np.array([row["filtered_coverage_5mm"] for row in rows]),
+        coverage=np.array([row[MAP_COLUMN] for row in rows]),
+        raw=np.array([row[RAW_COVERAGE] for row in rows]),
         kinds=tuple(row["kind"] for row in rows),
         iterations=np.array([row["iteration"] for row in rows]),
         planning_s=np.array([sum(s for stage, s in row.items() if stage != SENSING) for row in times]),
@@ -126,7 +139,9 @@ def _losses(rows: list[dict[str, Any]]) -> dict[str, float]:
 
 
 SUMMARY_COLUMNS = {
-    "coverage_5mm": "Share of the visible surface within 5 mm of the cloud [-]",
+    MAP_COVERAGE: "Share of the visible surface within 5 mm of what the final map holds [-]",
+    CONTRIBUTED: "What recovery views added to that share, view by view [-]",
+    RAW_COVERAGE: "Share of the visible surface within 5 mm of the raw cloud [-]",
     "filtered_coverage_5mm": "The same of the points in occupied voxels [-]",
     "accuracy_mm": "Mean distance of the cloud from the surface [mm]",
     "accuracy_median_mm": "Median of that distance [mm]",
@@ -134,7 +149,7 @@ SUMMARY_COLUMNS = {
     "filtered_f_score": "The same of the points in occupied voxels [-]",
     "wrongly_free_share": "Share of the surface's voxels that the map calls free [-]",
     "wrongly_occupied_share": "Share of the object's voxels that the surface cannot pass through [-]",
-    "recovery_share": "Share of the coverage that recovery views brought [-]",
+    "recovery_share": "Share of the raw cloud's coverage that recovery views brought [-]",
 }
 COUNTS = {
     "acquisitions": "Acquisitions, the first view included [-]",
@@ -165,7 +180,7 @@ def table_row(record: Record) -> dict[str, Any]:
     known = [seconds for seconds in times.values() if seconds is not None]
     return {
         **{name: getattr(record, name) for name in ("part", "arm", "run", "case", "processor_s")},
-        **{name: record.summary[name] for name in (*SUMMARY_COLUMNS, *COUNTS, "stop")},
+        **{name: record.figures[name] for name in (*SUMMARY_COLUMNS, *COUNTS, "stop")},
         "planning_s": times["planning"],
         "motion_s": times["motion"],
         "iteration_s": sum(known) if known else None,

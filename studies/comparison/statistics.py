@@ -1,12 +1,13 @@
 """What the runs of a comparison say: figures of each planner on each part, differences between planners, times."""
 
-from collections.abc import Container, Iterable
-from typing import Literal
+from collections.abc import Container, Iterable, Sequence
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float
 
-from studies.comparison.records import Record
+from studies.comparison.records import CONTRIBUTED, MAP_COVERAGE, RAW_COVERAGE, Record
+from studies.statistics.boxes import TukeyBox, box_of
 from studies.statistics.intervals import (
     Difference,
     Interval,
@@ -15,15 +16,19 @@ from studies.statistics.intervals import (
     paired_difference,
     quartiles,
 )
+from studies.statistics.medians import MedianEstimate, OfMedians, interval_of_medians, median_interval
 
 At = Literal["end", "iterations", "acquisitions"]
 """Where two runs are compared: each at its own end (the paper), after as many NBV iterations as both made, or after as
 many acquisitions as both made."""
-Cloud = Literal["raw", "filtered"]
-"""All points (the paper), or those in voxels that are occupied at the time."""
+Cloud = Literal["map", "raw"]
+"""What the map holds at the time (the paper, whose coverage can fall), or all points ever seen."""
+ATS, CLOUDS = get_args(At), get_args(Cloud)
 
 FIGURES = (
-    "coverage_5mm",
+    MAP_COVERAGE,
+    CONTRIBUTED,
+    RAW_COVERAGE,
     "filtered_coverage_5mm",
     "accuracy_mm",
     "f_score",
@@ -35,7 +40,7 @@ FIGURES = (
     "recovery_acquisitions",
     "recovery_share",
 )
-"""Of the summaries, those whose mean over runs is told."""
+"""Of a run's figures, those whose median or mean over runs is told."""
 
 
 class Comparison:
@@ -47,6 +52,10 @@ class Comparison:
         for record in self.records:
             self._by_arm.setdefault((record.part, record.arm), {})[record.run] = record
 
+    def has(self, part: str) -> bool:
+        """Whether any arm has runs on the part."""
+        return any(record.part == part for record in self.records)
+
     def runs(self, part: str, arm: str) -> list[Record]:
         """The runs of one arm on one part, by the number of their start."""
         found = self._by_arm.get((part, arm), {})
@@ -57,25 +66,49 @@ class Comparison:
         a, b = self._by_arm.get((part, ours), {}), self._by_arm.get((part, theirs), {})
         return [(a[run], b[run]) for run in sorted(a.keys() & b.keys())]
 
+    def values(self, part: str, arm: str, name: str) -> list[float]:
+        """One of FIGURES of each run that has it."""
+        values = [record.figures[name] for record in self.runs(part, arm)]
+        return [value for value in values if value is not None]
+
     def figure(self, part: str, arm: str, name: str) -> Interval | None:
         """Mean of one of FIGURES with its interval; None where there is no run that has it."""
-        values = [record.summary[name] for record in self.runs(part, arm)]
-        known = [value for value in values if value is not None]
+        known = self.values(part, arm, name)
         return mean_interval(known) if known else None
 
-    def difference(self, part: str, ours: str, theirs: str, at: At = "end", cloud: Cloud = "raw") -> Difference | None:
+    def median(self, part: str, arm: str, name: str = MAP_COVERAGE) -> MedianEstimate | None:
+        """Median of one of FIGURES with its interval; None where there is no run that has it."""
+        known = self.values(part, arm, name)
+        return median_interval(known) if known else None
+
+    def box(self, part: str, arm: str, name: str = MAP_COVERAGE) -> TukeyBox | None:
+        """Quartiles and whiskers of the same."""
+        known = self.values(part, arm, name)
+        return box_of(known) if known else None
+
+    def of_medians(self, part: str, arms: Sequence[str], figure: OfMedians) -> MedianEstimate | None:
+        """A figure made of the arms' median coverages, over the starts that all of them have; None without any."""
+        found = [self._by_arm.get((part, arm), {}) for arm in arms]
+        starts = sorted(set.intersection(*(set(runs) for runs in found)))
+        ends = np.array([[runs[start].figures[MAP_COVERAGE] for runs in found] for start in starts])
+        return interval_of_medians(ends, figure) if starts else None
+
+    def difference(self, part: str, ours: str, theirs: str, at: At = "end", cloud: Cloud = "map") -> Difference | None:
         """Coverage of ours less theirs [-]; None without pairs."""
         pairs = [compared_coverage(a, b, at, cloud) for a, b in self.pairs(part, ours, theirs)]
         return paired_difference(*zip(*pairs, strict=True)) if pairs else None
 
     def figure_difference(self, part: str, ours: str, theirs: str, name: str) -> Difference | None:
         """One of FIGURES, ours less theirs, over the pairs that have it."""
-        pairs = [(a.summary[name], b.summary[name]) for a, b in self.pairs(part, ours, theirs)]
+        pairs = [(a.figures[name], b.figures[name]) for a, b in self.pairs(part, ours, theirs)]
         known = [pair for pair in pairs if None not in pair]
         return paired_difference(*zip(*known, strict=True)) if known else None
 
     def change_of_lead(self, part: str, changed: tuple[str, str], whole: tuple[str, str]) -> Difference | None:
-        """Lead of one arm over another at the end [-] under a change less that without, over the starts of all four."""
+        """Lead of one arm over another at the end [-] under a change less that without, over the starts of all four.
+
+        A mean of paired changes: few starts are made of a change, and their medians would throw half of them away.
+        """
         leads = [
             {a.run: float(a.coverage[-1] - b.coverage[-1]) for a, b in self.pairs(part, *arms)}
             for arms in (changed, whole)
@@ -122,7 +155,7 @@ class Comparison:
 
 def compared_coverage(a: Record, b: Record, at: At, cloud: Cloud) -> tuple[float, float]:
     """Coverage of two runs at the moment at which they are compared."""
-    ours, theirs = (a.coverage, b.coverage) if cloud == "raw" else (a.filtered, b.filtered)
+    ours, theirs = (a.coverage, b.coverage) if cloud == "map" else (a.raw, b.raw)
     if at == "iterations":
         ours, theirs = a.by_iteration(ours), b.by_iteration(theirs)
     if at == "end":

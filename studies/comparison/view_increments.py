@@ -1,4 +1,4 @@
-"""What single views add to the coverage: recovery views of FRA beside the views of PB (paper, figure 6).
+"""What single views add to the coverage of the map: recovery views of FRA beside the views of PB (paper, figure 6).
 
 Late views add less than early ones, so they are compared within ranges of the coverage before them. The views of one
 run hang together, so that the interval comes from drawing whole starts (Efron and Tibshirani 1993, chapter 8).
@@ -14,8 +14,8 @@ from studies.comparison.statistics import Comparison
 from studies.run.acquisition_table import NBV, RECOVERY
 from studies.statistics.intervals import Interval, bootstrap_ends, resampled
 
-BIN = 0.2
-"""Width of the ranges of prior coverage in which views are compared [-] (choice: five boxes)."""
+BIN = 0.1
+"""Width of the ranges of prior coverage in which views are compared [-] (paper, figure 6)."""
 FEWEST_VIEWS = 5
 """Views below which a range says nothing (choice: a box plot needs five numbers)."""
 

@@ -3,6 +3,7 @@
 from markupsafe import Markup
 
 from studies.statistics.intervals import Difference, Interval, Quartiles
+from studies.statistics.medians import MedianEstimate
 
 POINTS = 100.0
 """Shares as percentages."""
@@ -31,6 +32,15 @@ def mean_and_range(interval: Interval | None, scale: float, form: str) -> str:
     if interval is None or interval.count == 1:
         return mean(interval, scale, form)
     return with_range(scale * interval.mean, scale * interval.low, scale * interval.high, form)
+
+
+def median_and_range(estimate: MedianEstimate | None, scale: float, form: str) -> str:
+    """The same of a median."""
+    if estimate is None:
+        return "n/a"
+    if estimate.count == 1:
+        return signs(format(scale * estimate.value, form))
+    return with_range(scale * estimate.value, scale * estimate.low, scale * estimate.high, form)
 
 
 def signed(difference: Difference | None, scale: float = POINTS, form: str = "+z.1f") -> str:

@@ -94,7 +94,7 @@ def marked(shape: Markup, tooltip: str) -> Markup:
 def bottom_axis(scale: Scale, y: float, label: str, ticks: list[float]) -> Markup:
     """Ticks and name of a horizontal axis below the plot."""
     marks = [
-        join(line(scale(t), y, scale(t), y + 5, "tick"), text(scale(t), y + 19, f"{t:g}", "tick-label mid"))
+        join(line(scale(t), y, scale(t), y + 5, "tick"), text(scale(t), y + 19, _tick(t), "tick-label mid"))
         for t in ticks
     ]
     return join(*marks, text((scale.start + scale.end) / 2, y + 40, label, "axis-label mid"))
@@ -103,7 +103,7 @@ def bottom_axis(scale: Scale, y: float, label: str, ticks: list[float]) -> Marku
 def left_axis(scale: Scale, x: float, right: float, ticks: list[float]) -> Markup:
     """Grid lines and ticks of a vertical axis; its name stands above the figure, so that nobody tilts the head."""
     rows = [
-        join(line(x, scale(t), right, scale(t), "grid"), text(x - 8, scale(t) + 4, f"{t:g}", "tick-label end"))
+        join(line(x, scale(t), right, scale(t), "grid"), text(x - 8, scale(t) + 4, _tick(t), "tick-label end"))
         for t in ticks
     ]
     return join(*rows)
@@ -112,6 +112,10 @@ def left_axis(scale: Scale, x: float, right: float, ticks: list[float]) -> Marku
 def figure(width: int, height: int, title: str, *pieces: Markup) -> Markup:
     """The whole drawing, scaling with the page; `title` is read by screen readers."""
     return element("svg", join(*pieces), viewBox=f"0 0 {width} {height}", role="img", aria_label=title, klass="figure")
+
+
+def _tick(value: float) -> str:
+    return f"{value:g}".replace("-", "\u2212")
 
 
 def _number(value: object) -> object:

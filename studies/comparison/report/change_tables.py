@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from studies.comparison.links import LINKED_PLANNERS, LINKS, arm_name
+from studies.comparison.records import CONTRIBUTED, MAP_COVERAGE, RAW_COVERAGE
 from studies.comparison.statistics import Comparison
 from studies.drawing.cells import POINTS, mean, signed
 from studies.run.ablation import ABLATIONS
@@ -18,7 +19,7 @@ def ablation_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[str
             if difference is not None:
                 found = {
                     key: comparison.figure_difference(part, name, planner, key)
-                    for key in ("filtered_coverage_5mm", "acquisitions", "recovery_activations")
+                    for key in ("acquisitions", "recovery_activations")
                 }
                 rows.append(
                     {
@@ -27,7 +28,7 @@ def ablation_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[str
                         "planner": planner,
                         "pairs": difference.interval.count,
                         "coverage": signed(difference),
-                        "filtered": signed(found["filtered_coverage_5mm"]),
+                        "raw": signed(comparison.difference(part, name, planner, cloud="raw")),
                         "acquisitions": signed(found["acquisitions"], 1.0),
                         "activations": signed(found["recovery_activations"], 1.0),
                     }
@@ -45,7 +46,7 @@ def variant_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[str,
         found = {
             name: interval
             for name in (["re", *ran] if ran else [])
-            if shared.pairs(part, "fra", name) and (interval := shared.figure(part, name, "coverage_5mm"))
+            if shared.pairs(part, "fra", name) and (interval := shared.figure(part, name, MAP_COVERAGE))
         }
         best = max(found, key=lambda name: found[name].mean, default=None)
         rows += [
@@ -58,7 +59,7 @@ def variant_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[str,
                 "covers": mean(interval, POINTS, ".1f"),
                 "end": signed(shared.difference(part, "fra", name)),
                 "acquisitions": signed(shared.difference(part, "fra", name, "acquisitions")),
-                "filtered": signed(shared.difference(part, "fra", name, "end", "filtered")),
+                "raw": signed(shared.difference(part, "fra", name, "end", "raw")),
             }
             for name, interval in found.items()
         ]
@@ -85,17 +86,17 @@ def changed_link_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict
                     "first": arms == LINKED_PLANNERS,
                     "words": words,
                     "pairs": end.interval.count if end else 0,
-                    "fra": mean(shared.figure(part, fra, "coverage_5mm"), POINTS, ".1f"),
-                    "pb": mean(shared.figure(part, pb, "coverage_5mm"), POINTS, ".1f"),
-                    "fra_filtered": mean(shared.figure(part, fra, "filtered_coverage_5mm"), POINTS, ".1f"),
-                    "pb_filtered": mean(shared.figure(part, pb, "filtered_coverage_5mm"), POINTS, ".1f"),
+                    "fra": mean(shared.figure(part, fra, MAP_COVERAGE), POINTS, ".1f"),
+                    "pb": mean(shared.figure(part, pb, MAP_COVERAGE), POINTS, ".1f"),
+                    "fra_raw": mean(shared.figure(part, fra, RAW_COVERAGE), POINTS, ".1f"),
+                    "pb_raw": mean(shared.figure(part, pb, RAW_COVERAGE), POINTS, ".1f"),
                     "end": signed(end),
                     "change": ""
                     if arms == LINKED_PLANNERS
                     else signed(shared.change_of_lead(part, (fra, pb), LINKED_PLANNERS)),
                     "acquisitions": signed(shared.difference(part, fra, pb, "acquisitions")),
                     "activations": mean(shared.figure(part, fra, "recovery_activations"), 1.0, ".1f"),
-                    "contribution": mean(shared.figure(part, fra, "recovery_share"), POINTS, ".0f"),
+                    "contribution": mean(shared.figure(part, fra, CONTRIBUTED), POINTS, "z.1f"),
                 }
             )
     return rows

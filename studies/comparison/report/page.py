@@ -1,25 +1,41 @@
-"""The report of a comparison: the paper's sentences beside our numbers, curves, tables, boxes, times, ablations."""
+"""The report of a comparison: the paper's numbers beside ours, box plots, increments, curves, times, ablations."""
 
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from studies.base.atomic_file import write_atomically
-from studies.comparison.goals import activations_rise
+from studies.comparison.goals import judge
+from studies.comparison.paper import PAPER_PARTS
 from studies.comparison.paper_results import paper_findings
 from studies.comparison.paper_verdicts import DIRECTION, FOUND, TOO_FEW, UNKNOWN
 from studies.comparison.planning_speed import stored_speed
 from studies.comparison.preset import ComparisonPreset
 from studies.comparison.report.change_tables import ablation_rows, changed_link_rows, variant_rows
-from studies.comparison.report.headline import arm_words, main_numbers, part_words, short_words, version_words
+from studies.comparison.report.headline import (
+    arm_words,
+    bench_words,
+    main_numbers,
+    part_words,
+    short_words,
+    version_words,
+)
 from studies.comparison.report.increments_figure import increments_figure
+from studies.comparison.report.links_figure import links_figure
+from studies.comparison.report.paper_boxes_figure import coverage_boxes, recovery_boxes
+from studies.comparison.report.paper_tables import (
+    coverage_rows,
+    goal_rows,
+    increment_rows,
+    lead_rows,
+    recovered_rows,
+)
 from studies.comparison.report.planner_curves_figure import coinciding, planner_curves_figure
 from studies.comparison.report.sentences import link_words
 from studies.comparison.report.speed_tables import speed_section
 from studies.comparison.report.tables import (
     arm_rows,
     difference_rows,
-    goal_rows,
     loss_rows,
     overhead_words,
     time_rows,
@@ -72,8 +88,14 @@ def comparison_html(
             short=short,
             arms=arms,
             findings=[(finding, VERDICTS.get(finding.verdict, "missing")) for finding in paper_findings(comparison)],
-            goals=goal_rows(comparison),
-            activations=activations_rise(comparison),
+            bench=bench_words(parts, preset),
+            covered=coverage_rows(comparison, parts, arms),
+            leads=lead_rows(comparison, parts, [arm for arm in arms if arm != "fra"]),
+            recovered=recovered_rows(comparison, parts),
+            goals=goal_rows(judge(comparison)) if any(part in PAPER_PARTS for part in parts) else [],
+            coverage_boxes=coverage_boxes(comparison, parts, arms, short),
+            recovery_boxes=recovery_boxes(comparison, parts),
+            levels=increment_rows(comparison, parts),
             by_iterations=planner_curves_figure(comparison, parts, arms, "iterations", short),
             by_acquisitions=planner_curves_figure(comparison, parts, arms, "acquisitions", short),
             coinciding=[short[part] for part in coinciding(comparison, parts)],
@@ -90,6 +112,7 @@ def comparison_html(
             links=link_words(comparison, parts, preset.parameters.recovered_share),
             speed=speed_section(speed) if speed else None,
             ablations=ablation_rows(comparison, preset.ablated_parts),
+            moved_leads=links_figure(comparison, preset.ablated_parts, words),
             changed_links=changed_link_rows(comparison, preset.ablated_parts),
             failures=failures,
             config=list(flattened(preset.model_dump(mode="json"))),

@@ -21,7 +21,7 @@ NAMES = {"iterations": "NBV iterations", "acquisitions": "Acquisitions"}
 def planner_curves_figure(
     comparison: Comparison, parts: Sequence[str], arms: Sequence[str], along: Along, words: dict[str, str]
 ) -> Markup:
-    """A panel per part: median over runs with the quartiles as a band, and the median of the filtered coverage.
+    """A panel per part: median of the map's coverage over runs with the quartiles as a band, and that of the raw cloud.
 
     words: what to call each part.
     """
@@ -45,8 +45,8 @@ def coinciding(comparison: Comparison, parts: Sequence[str]) -> list[str]:
     ]
 
 
-def _values(record: Record, along: Along, filtered: bool) -> Float[np.ndarray, "k"]:
-    values = record.filtered if filtered else record.coverage
+def _values(record: Record, along: Along, raw: bool) -> Float[np.ndarray, "k"]:
+    values = record.raw if raw else record.coverage
     return record.by_iteration(values) if along == "iterations" else values
 
 
@@ -56,9 +56,9 @@ def _panel(
     runs = {arm: comparison.runs(part, arm) for arm in arms if comparison.runs(part, arm)}
     longest = max([len(_values(run, along, False)) for found in runs.values() for run in found], default=2)
     curves = {
-        (arm, filtered): held([_values(run, along, filtered) for run in runs[arm]], longest)
+        (arm, raw): held([_values(run, along, raw) for run in runs[arm]], longest)
         for arm in reversed(runs)  # the first one on top
-        for filtered in (False, True)
+        for raw in (False, True)
     }
     first = 0 if along == "iterations" else 1
     x = svg.Scale(first, max(first + longest - 1, first + 1), left + CURVES_PLOT.left, left + width - CURVES_PLOT.right)
@@ -69,8 +69,8 @@ def _panel(
         svg.text(left + CURVES_PLOT.left, 33, "surface within 5 mm [%]", "tick-label"),
         svg.left_axis(y, left + CURVES_PLOT.left, left + width - CURVES_PLOT.right, [0, 20, 40, 60, 80, 100]),
         svg.bottom_axis(x, CURVES_PLOT.bottom, NAMES[along], ticks),
-        *(_band(arm, values, first, x, y) for (arm, filtered), values in curves.items() if not filtered),
-        *(_line(arm, filtered, values, first, x, y) for (arm, filtered), values in curves.items()),
+        *(_band(arm, values, first, x, y) for (arm, raw), values in curves.items() if not raw),
+        *(_line(arm, raw, values, first, x, y) for (arm, raw), values in curves.items()),
     )
 
 
@@ -81,10 +81,8 @@ def _band(arm: str, values: Float[np.ndarray, "runs k"], first: int, x: svg.Scal
     return svg.path([*there, *back], f"arm-band {arm}")
 
 
-def _line(
-    arm: str, filtered: bool, values: Float[np.ndarray, "runs k"], first: int, x: svg.Scale, y: svg.Scale
-) -> Markup:
+def _line(arm: str, raw: bool, values: Float[np.ndarray, "runs k"], first: int, x: svg.Scale, y: svg.Scale) -> Markup:
     median = np.median(100 * values, axis=0)
-    line = svg.path([(x(first + k), y(float(v))) for k, v in enumerate(median)], f"arm {arm}{' dashed' * filtered}")
-    kind = "map-filtered" if filtered else "raw"
+    line = svg.path([(x(first + k), y(float(v))) for k, v in enumerate(median)], f"arm {arm}{' dashed' * raw}")
+    kind = "raw cloud" if raw else "map"
     return svg.marked(line, f"{arm.upper()}, {kind}: ends at {median[-1]:.1f} % in the median of {len(values)} runs")

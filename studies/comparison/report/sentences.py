@@ -12,8 +12,9 @@ import numpy as np
 
 from studies.base.numbers_as_text import counted, percent
 from studies.comparison.links import LINKED_PLANNERS, LINKS, arm_name
-from studies.comparison.paper_numbers import FRA_LESS_PB_ON_D
+from studies.comparison.paper import PAPER_PARTS, paper_lead
 from studies.comparison.paper_results import points
+from studies.comparison.records import MAP_COVERAGE, RAW_COVERAGE
 from studies.comparison.statistics import Comparison
 from studies.drawing.cells import signs
 from studies.run.ablation import ABLATIONS
@@ -32,14 +33,14 @@ def link_words(comparison: Comparison, parts: Sequence[str], recovered_share: fl
 
 def _room(comparison: Comparison, part: str) -> Iterator[str]:
     """How far above PB anybody can be."""
-    found = comparison.figure(part, "pb", "coverage_5mm")
+    found = comparison.median(part, "pb")
     if found is None:
         return
-    bound = f" The paper's lead of {100 * FRA_LESS_PB_ON_D:.0f} points cannot be reached." if part == "D" else ""
-    room = 1 - found.mean
+    room, paper = 1 - found.value, paper_lead(part, "pb") if part in PAPER_PARTS else 0.0
+    bound = f" The paper's lead of {100 * paper:.0f} points cannot be reached." if room < paper else ""
     yield (
-        f"PB alone covers {percent(found.mean)} of what can be seen, so nothing can lead it by more than "
-        f"{100 * room:.1f} points.{bound if room < FRA_LESS_PB_ON_D else ''}"
+        f"PB alone covers {percent(found.value)} of what can be seen, so nothing can lead it by more than "
+        f"{100 * room:.1f} points.{bound}"
     )
 
 
@@ -61,13 +62,13 @@ def _chain(comparison: Comparison, part: str, recovered_share: float) -> Iterato
 
 def _taken_back(comparison: Comparison, part: str) -> Iterator[str]:
     """What the map does not hold any more of what was seen, whatever the cause."""
-    raw, filtered, free = (
-        comparison.figure(part, "fra", name) for name in ("coverage_5mm", "filtered_coverage_5mm", "wrongly_free_share")
+    raw, held, free = (
+        comparison.figure(part, "fra", name) for name in (RAW_COVERAGE, MAP_COVERAGE, "wrongly_free_share")
     )
-    if raw and filtered and free:
+    if raw and held and free:
         yield (
-            f"FRA's final map calls {percent(free.mean)} of the surface's voxels free; with the points in occupied "
-            f"voxels alone its coverage is {percent(filtered.mean)} instead of {percent(raw.mean)}."
+            f"FRA's final map calls {percent(free.mean)} of the surface's voxels free, and covers {percent(held.mean)} "
+            f"on average where all points ever seen cover {percent(raw.mean)}."
         )
 
 

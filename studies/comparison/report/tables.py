@@ -5,15 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from studies.comparison.goals import ATS, CLOUDS, GOALS, judge
-from studies.comparison.paper_numbers import ITERATION_S, paper_ratio
+from studies.comparison.paper import ITERATION_S, paper_ratio
 from studies.comparison.paper_verdicts import adjusted_p
-from studies.comparison.statistics import Comparison
+from studies.comparison.records import CONTRIBUTED, MAP_COVERAGE, RAW_COVERAGE
+from studies.comparison.statistics import ATS, CLOUDS, Comparison
 from studies.drawing.cells import NO_NUMBER, POINTS, mean, mean_and_range, probability, seconds, signed, with_range
 
 ARM_CELLS = {
-    "coverage": (mean_and_range, "coverage_5mm", POINTS, ".1f"),
-    "filtered": (mean_and_range, "filtered_coverage_5mm", POINTS, ".1f"),
+    "coverage": (mean_and_range, MAP_COVERAGE, POINTS, ".1f"),
+    "raw": (mean_and_range, RAW_COVERAGE, POINTS, ".1f"),
     "accuracy": (mean, "accuracy_mm", 1.0, ".1f"),
     "f_score": (mean, "f_score", 1.0, ".2f"),
     "wrongly_free": (mean, "wrongly_free_share", POINTS, ".0f"),
@@ -21,7 +21,7 @@ ARM_CELLS = {
     "acquisitions": (mean, "acquisitions", 1.0, ".1f"),
     "iterations": (mean, "nbv_iterations", 1.0, ".1f"),
     "activations": (mean_and_range, "recovery_activations", 1.0, ".1f"),
-    "contribution": (mean_and_range, "recovery_share", POINTS, ".0f"),
+    "contribution": (mean_and_range, CONTRIBUTED, POINTS, "z.1f"),
 }
 """How each figure is written, what it is called in the summaries, its scale and digits."""
 OF_RECOVERY = ("activations", "contribution")
@@ -49,7 +49,7 @@ def arm_rows(comparison: Comparison, parts: Sequence[str], arms: Sequence[str]) 
 
 
 def difference_rows(comparison: Comparison, parts: Sequence[str], baselines: Sequence[str]) -> list[dict[str, Any]]:
-    """FRA less each baseline on each part: at the end, at equal iterations and acquisitions, raw and map-filtered."""
+    """FRA less each baseline on each part: at the end, at equal iterations and acquisitions, of map and raw cloud."""
     adjusted = adjusted_p(comparison)
     rows = []
     for part in parts:
@@ -71,17 +71,6 @@ def difference_rows(comparison: Comparison, parts: Sequence[str], baselines: Seq
                         },
                     }
                 )
-    return rows
-
-
-def goal_rows(comparison: Comparison) -> list[dict[str, Any]]:
-    """Each goal that has runs: its value wherever one may compare, and whether it holds there."""
-    rows = []
-    for goal in GOALS:
-        judged = judge(comparison, goal)
-        cells = [{"value": mean_and_range(j.interval, POINTS, "+z.1f"), "holds": j.holds} for j in judged]
-        if cells:
-            rows.append({"words": goal.words, "cells": cells})
     return rows
 
 

@@ -16,19 +16,23 @@ def made_record(
     run: int = 0,
     coverage: tuple[float, ...] = (0.3, 0.5, 0.6),
     kinds: str = "fnn",
-    filtered: tuple[float, ...] | None = None,
+    raw: tuple[float, ...] | None = None,
     planning_s: float = 0.1,
     motion_s: float = 1.0,
     activations: int = 0,
 ) -> Record:
-    """One run; `kinds` spells first, nbv and recovery by their initials, a recovery belongs to the view before it."""
+    """One run; `kinds` spells first, nbv and recovery by their initials, a recovery belongs to the view before it.
+
+    coverage: of the map; raw: of the cloud, the same unless it is given.
+    """
     names = {"f": "first", "n": "nbv", "r": "recovery"}
     iterations = np.cumsum([kind == "n" for kind in kinds])
     increments = np.diff(coverage, prepend=0.0)
     recovered = sum(step for step, kind in zip(increments, kinds, strict=True) if kind == "r")
+    cloud = raw or coverage
     summary = {
-        "coverage_5mm": coverage[-1],
-        "filtered_coverage_5mm": (filtered or coverage)[-1],
+        "coverage_5mm": cloud[-1],
+        "filtered_coverage_5mm": coverage[-1],
         "accuracy_mm": 2.0,
         "accuracy_median_mm": 1.0,
         "f_score": 0.8,
@@ -49,7 +53,7 @@ def made_record(
         case=f"{part}{arm}{run}",
         summary=summary,
         coverage=np.array(coverage),
-        filtered=np.array(filtered or coverage),
+        raw=np.array(cloud),
         kinds=tuple(names[kind] for kind in kinds),
         iterations=iterations,
         planning_s=np.full(len(kinds), planning_s),

@@ -1,7 +1,10 @@
 """Tables and sentences about what was changed: like is compared with like, and chance is told."""
 
-from studies.comparison.links import arm_name
+import pytest
+
+from studies.comparison.links import LINKS, arm_name
 from studies.comparison.report.change_tables import changed_link_rows, variant_rows
+from studies.comparison.report.links_figure import links_figure, moved_leads
 from studies.comparison.report.sentences import link_words
 from studies.comparison.statistics import Comparison
 from tests.studies.comparison.comparison_records import made_record
@@ -65,3 +68,18 @@ def test_changes_that_move_a_result_are_named_with_what_chance_would_do():
     told = next(k for k, sentence in enumerate(sentences) if sentence.startswith("2 changes"))
     assert "4 results compared: 1 moved with p at most 0.062; by chance alone up to 0.2 would." in sentences[told]
     assert sentences[told + 1 :] == ["no lamps: lead of FRA over PB +10.0 points (+10.0 to +10.0)"]
+
+
+def test_the_chart_of_links_has_the_largest_change_first():
+    """Unchanged FRA leads by 20 points in two starts; by 30 without lamps, by 0 with OpenCV's matcher: +10 and -20."""
+    records = [*ends("fra", {0: 0.6, 1: 0.7}), *ends("pb", {0: 0.4, 1: 0.5})]
+    for link, lead in (("lamps_off", 0.3), ("opencv_matcher", 0.0)):
+        records += ends(arm_name("fra", link), {0: 0.4 + lead, 1: 0.5 + lead})
+        records += ends(arm_name("pb", link), {0: 0.4, 1: 0.5})
+    rows = moved_leads(Comparison(records), "D")
+    assert [row.words for row in rows] == [LINKS["opencv_matcher"].words, LINKS["lamps_off"].words]
+    assert [row.change.mean for row in rows] == pytest.approx([-0.2, 0.1])
+    assert [row.lead.mean for row in rows] == pytest.approx([0.0, 0.3])
+    figure = str(links_figure(Comparison(records), ["C", "D"], {"D": "Column"}))
+    assert figure.count("<circle") == 2
+    assert links_figure(Comparison(records[:4]), ["D"], {"D": "Column"}) == ""

@@ -10,13 +10,14 @@ import pytest
 from markupsafe import escape
 
 from franbv.parameters import Parameters
+from render.d435i import SensorSettings
 from studies.cli.main import main
 from studies.comparison import command as comparison
 from studies.comparison import planning_speed
-from studies.comparison.cases import RUNS, PlannedRun, jobs, planned_runs, seed_at
+from studies.comparison.cases import RUNS, PlannedRun, check_runs, jobs, planned_runs, seed_at
 from studies.comparison.command import with_named
 from studies.comparison.links import LINKS, arm_name
-from studies.comparison.paper_numbers import ITERATION_S
+from studies.comparison.paper import FINAL_COVERAGE, INCREMENTS, ITERATION_S
 from studies.comparison.planning_speed import (
     SPEED,
     SpeedTask,
@@ -30,6 +31,7 @@ from studies.comparison.report.page import comparison_html
 from studies.run.ablation import ABLATIONS
 from studies.run.report.page import flattened
 from studies.run.run_case import RunSettings
+from studies.run.stored_run import StoredRun
 from studies.work.workers import Failure
 from tests.studies.browser import CHROMIUM, visit
 from tests.studies.comparison.comparison_records import made_record
@@ -40,11 +42,12 @@ SMALL = Parameters(n_frames=3, max_iterations=3)
 
 
 def test_presets_are_the_papers_experiment():
-    """Four parts, three planners, fifteen runs: 180, and 15 of each planner on the inside corner; quick has 36."""
-    paper, quick = planned_runs(ComparisonPreset.named("paper")), planned_runs(ComparisonPreset.named("quick"))
-    assert len([run for run in paper if run.part != CORNER]) == 180
-    assert len([run for run in paper if run.part == CORNER]) == 45
-    assert len(quick) == 36
+    """Four parts, three planners, fifteen runs: 180; quick has two starts, 24; the corner has a preset of its own."""
+    paper, quick, corner = (planned_runs(ComparisonPreset.named(name)) for name in ("paper", "quick", "corner"))
+    assert len(paper) == 180
+    assert {run.part for run in paper} == set("ABCD")
+    assert len(quick) == 24
+    assert [run.part for run in corner] == [CORNER] * 45
     assert len({run.digest for run in paper}) == len(paper)
     assert {run.digest for run in quick} < {run.digest for run in paper}
 
@@ -81,21 +84,37 @@ def test_each_ablation_is_run_from_the_starts_of_the_whole_method():
         assert (config.parameters, config.ablation) != (run.config.parameters, run.config.ablation)
 
 
-@pytest.mark.parametrize(
-    ("link", "differs"),
-    [
-        ("pixels_120x80", {"sensor.decimation", "sensor.crop"}),
-        ("opencv_matcher", {"sensor.matcher"}),
-        ("lamps_off", {"lamps"}),
-        ("halogen", {"lamps"}),
-        ("mirror", {"material"}),
-        ("blasted", {"material"}),
-    ],
-)
+DIFFERS = {
+    "roll_90": {"sensor.roll_deg", "parameters.roll_deg"},
+    "profile_640x480": {"sensor.profile"},
+    "high_accuracy": {"sensor.preset"},
+    "high_density": {"sensor.preset"},
+    "laser_off": {"sensor.imager.laser_power_mw"},
+    "laser_most": {"sensor.imager.laser_power_mw"},
+    "lamps_off": {"lamps"},
+    "bright": {"material"},
+    "polished": {"material"},
+    "mirror": {"material"},
+    "blasted": {"material"},
+    "pixels_120x80": {"sensor.decimation", "sensor.crop"},
+    "opencv_matcher": {"sensor.matcher"},
+    "frames_1": {"parameters.n_frames"},
+    "frames_5": {"parameters.n_frames"},
+}
+"""What each link is meant to change, by the keys of a run's configuration."""
+STANDS_THERE = {"roll_0", "profile_640x360"}
+"""Links that change nothing of the paper preset."""
+
+
+def linked(*links: str) -> list[PlannedRun]:
+    """The runs of the paper preset with these links."""
+    return planned_runs(with_named(ComparisonPreset.named("paper"), "links", links, LINKS))
+
+
+@pytest.mark.parametrize(("link", "differs"), DIFFERS.items())
 def test_a_changed_link_changes_nothing_else(link: str, differs: set[str]):
     """FRA and PB on C and D from the same five starts, with only the named settings different."""
-    preset = with_named(ComparisonPreset.named("paper"), "links", (link,), LINKS)
-    runs = planned_runs(preset)
+    runs = linked(link)
     whole = {(run.part, run.arm, run.run): run for run in runs}
     changed = [run for run in runs if "," in run.arm]
     assert len(changed) == 2 * 2 * 5
@@ -111,8 +130,20 @@ def test_a_changed_link_changes_nothing_else(link: str, differs: set[str]):
 
 
 def test_every_link_is_checked():
-    """The list above names all of them."""
-    assert set(LINKS) == {"pixels_120x80", "opencv_matcher", "lamps_off", "halogen", "mirror", "blasted"}
+    """The lists above name all of them, and every changed run can be built."""
+    assert set(LINKS) == set(DIFFERS) | STANDS_THERE
+    check_runs(linked(*LINKS))
+
+
+def test_a_link_at_which_the_study_stands_is_not_run():
+    """Nothing would be compared with itself; from a camera on end the level one is the change."""
+    assert not any("," in run.arm for run in linked(*STANDS_THERE))
+    on_end = ComparisonPreset.named("paper").model_copy(
+        update={"sensor": SensorSettings(roll_deg=90.0), "links": ("roll_0", "roll_90")}
+    )
+    changed = [run for run in planned_runs(on_end) if "," in run.arm]
+    assert {run.arm for run in changed} == {"fra, roll_0", "pb, roll_0"}
+    assert {(run.config.sensor.roll_deg, run.config.parameters.roll_deg) for run in changed} == {(0.0, 0.0)}
 
 
 @pytest.mark.parametrize(
@@ -139,9 +170,7 @@ def test_bad_input_is_one_line(flags: list[str], says: str, tmp_path: Path, caps
 def study(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, ComparisonPreset]:
     """Finished runs of a ball under the names of two runs of FRA and PB on D, as the study would have left them."""
     out = tmp_path_factory.mktemp("study")
-    preset = ComparisonPreset(
-        title="Ball <study>", runs=2, parts=("D",), planners=("fra", "pb"), corner=None, parameters=SMALL
-    )
+    preset = ComparisonPreset(title="Ball <study>", runs=2, parts=("D",), planners=("fra", "pb"), parameters=SMALL)
     for planned in planned_runs(preset):
         (out / RUNS / planned.digest).mkdir(parents=True)
         settings = RunSettings(planner=planned.config.planner, azimuth_deg=planned.config.azimuth_deg, parameters=SMALL)
@@ -168,8 +197,11 @@ def test_report_command_rebuilds_table_summary_and_page(study: tuple[Path, Compa
     ]
     assert all(row["processor_s"] > 0 for row in table)
     summary = json.loads((out / comparison.SUMMARY).read_text())
-    coverages = [row["coverage_5mm"] for row in table if row["arm"] == "fra"]
-    assert summary["parts"]["D"]["fra"]["coverage_5mm"] == pytest.approx(sum(coverages) / 2)
+    for column in ("coverage_5mm", "coverage_map_5mm"):  # of two runs the median is the mean
+        coverages = [row[column] for row in table if row["arm"] == "fra"]
+        assert summary["parts"]["D"]["fra"][column] == pytest.approx(sum(coverages) / 2)
+    last = [StoredRun(out / RUNS / run.digest).rows[-1]["filtered_coverage_5mm"] for run in planned_runs(preset)]
+    assert [row["coverage_map_5mm"] for row in table] == last
     assert summary["parts"]["D"]["fra"]["activations"] > 0
     assert summary["processor_s"] == pytest.approx(sum(row["processor_s"] for row in table))
     html = (out / "report.html").read_text()
@@ -230,7 +262,7 @@ def test_voxels_are_counted_in_the_workspace():
 
 
 def whole_page() -> str:
-    """A page with runs of all parts, planners and ablations, a failure, and the corner."""
+    """A page with runs of all parts, planners, ablations and links, a failure, and the corner."""
     preset = with_named(ComparisonPreset.named("paper"), "ablations", ("all",), ABLATIONS)
     records = []
     for k, part in enumerate((*preset.parts, CORNER)):
@@ -249,8 +281,18 @@ def whole_page() -> str:
 
 
 def test_page_sets_every_number_of_the_paper_beside_ours():
-    """All 36 times of its table, its gaps and contributions; every ablation, part and planner has its row."""
+    """Its medians, boxes, whiskers, recoveries, increments and times; every ablation, link and planner has its row."""
     html = whole_page()
+    cells = set(re.findall(r'<td class="n theirs">([^<]*)</td>', html))
+    for arms in FINAL_COVERAGE.values():
+        assert {f"{100 * box.median:.2f}" for box in arms.values()} <= cells
+        assert {f"{100 * box.lower:.0f} to {100 * box.upper:.0f}" for box in arms.values()} <= cells
+        assert {f"{100 * box.low:.0f} to {100 * box.high:.0f}" for box in arms.values()} <= cells
+    assert {"1.5 to 3", "5.5 to 9", "to 12", "6.96", "34.56", "\u22123 to 27", "20 to 71"} <= cells
+    assert {"+9.4", "+7.9", "+16.8", "+31.5", "+55.9"} <= cells
+    medians = [value for rows in INCREMENTS.values() for pair in rows.values() for value in pair if value is not None]
+    assert {f"{100 * value:.1f}".replace("-", "\u2212") for value in medians} <= cells
+    assert html.count('class="paper-median') == len(medians)
     for rows in ITERATION_S.values():
         for lower, median, upper in rows.values():
             assert f"{median:.2f}<small>{lower:.2f} to {upper:.2f}</small>" in html
@@ -258,17 +300,18 @@ def test_page_sets_every_number_of_the_paper_beside_ours():
         "up to 31 %",
         "approximately 56 %",
         "around 10 % on A and B, up to approximately 30 % on C and D",
-        "A \u2264 B &lt; C &lt; D",
+        "A \u2264 B &lt; C \u2264 D",
     ):
         assert number in html
     table = html[html.index('id="ablations"') :]
     for words, _, _ in ABLATIONS.values():
         assert table.count(f"<td>{escape(words)}</td>") == 2
-    links = html[html.index('id="changed"') :]
-    for words, *_ in LINKS.values():
-        assert links.count(f"<td>{escape(words)}</td>") == 2
+    links = html[html.index('id="changed"') : html.index('id="ablations"')]
+    for link in LINKS.values():
+        assert links.count(f"<td>{escape(link.words)}</td>") == 2
+        assert links.count(f">{escape(link.words)}</text>") == 2
     assert "D re, run 3" in html
-    assert html.count('class="figure"') == 4
+    assert html.count('class="figure"') == 7
 
 
 def test_page_asks_for_nothing_from_outside():
@@ -298,4 +341,4 @@ def test_titles_are_for_people():
     """Runs are counted from one."""
     run = planned_runs(ComparisonPreset.named("quick"))[0]
     assert isinstance(run, PlannedRun)
-    assert run.title == "A fra, run 1"
+    assert run.title == "A fra, start 1"

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from studies.comparison.paper_results import points
-from studies.comparison.report.increments_figure import axis_end
+from studies.comparison.report.increments_figure import axis_ends
 from studies.comparison.report.planner_curves_figure import coinciding, held
 from studies.comparison.report.sentences import link_words
 from studies.comparison.report.tables import arm_rows, loss_rows
 from studies.comparison.statistics import Comparison
 from studies.comparison.view_increments import binned_increments, recovery_advantage
 from studies.drawing.cells import mean_and_range, signed
+from studies.statistics.medians import first_less_second
 from tests.studies.comparison.comparison_records import made_record
 
 EXPOSURE_S = 0.5
@@ -34,8 +35,8 @@ def test_iterations_take_their_recoveries_in():
 
 def test_runs_are_compared_at_their_ends_or_where_both_have_got():
     """FRA ends at 0.9 after 2 iterations and 4 views, PB at 0.8 after 3 iterations and 4 views... by hand."""
-    fra = made_record(arm="fra", coverage=(0.3, 0.5, 0.7, 0.9), kinds="frnn", filtered=(0.2, 0.3, 0.4, 0.5))
-    pb = made_record(arm="pb", coverage=(0.3, 0.4, 0.6, 0.7, 0.8), kinds="fnnnn", filtered=(0.2, 0.3, 0.5, 0.6, 0.7))
+    fra = made_record(arm="fra", coverage=(0.3, 0.5, 0.7, 0.9), kinds="frnn", raw=(0.4, 0.6, 0.75, 0.95))
+    pb = made_record(arm="pb", coverage=(0.3, 0.4, 0.6, 0.7, 0.8), kinds="fnnnn", raw=(0.4, 0.5, 0.7, 0.85, 0.9))
     comparison = Comparison([fra, pb])
 
     def mean(*where) -> float:
@@ -46,7 +47,8 @@ def test_runs_are_compared_at_their_ends_or_where_both_have_got():
     assert mean() == pytest.approx(0.9 - 0.8)
     assert mean("iterations") == pytest.approx(0.9 - 0.6)  # both made two; PB's third view ends its second
     assert mean("acquisitions") == pytest.approx(0.9 - 0.7)  # both took four
-    assert mean("acquisitions", "filtered") == pytest.approx(0.5 - 0.6)
+    assert mean("acquisitions", "raw") == pytest.approx(0.95 - 0.85)
+    assert mean("end", "raw") == pytest.approx(0.95 - 0.9)
 
 
 def test_only_equal_starts_are_paired():
@@ -97,9 +99,9 @@ def test_increments_by_prior_coverage():
     """Views 2 and 3 of PB start from 0.3 and 0.5; the first view is none of PB's choice."""
     comparison = Comparison([made_record(arm="pb", coverage=(0.3, 0.5, 0.6))])
     bins = binned_increments(comparison, "D", "pb", "nbv")
-    assert [len(values) for values in bins] == [0, 1, 1, 0, 0]
-    assert bins[1] == pytest.approx([0.2])
-    assert bins[2] == pytest.approx([0.1])
+    assert [len(values) for values in bins] == [0, 0, 0, 1, 0, 1, 0, 0, 0, 0]
+    assert bins[3] == pytest.approx([0.2])
+    assert bins[5] == pytest.approx([0.1])
 
 
 def test_recovery_advantage_compares_like_with_like():
@@ -117,15 +119,15 @@ def test_recovery_advantage_compares_like_with_like():
 def test_recovery_advantage_scatters_as_the_runs_do():
     """Views of a run hang together: nine views of one of eight runs come and go as one.
 
-    Seven runs with one recovery view of +0.05, one with nine of -0.02 and PB's views at +0.04: the mean over views is
+    Seven runs with one recovery view of +0.05, one with nine of -0.01 and PB's views at +0.04: the mean over views is
     below zero, and samples without that run lie at +0.01, so that the interval holds zero.
     """
     pb = [made_record(arm="pb", run=k, coverage=(0.42, 0.46), kinds="fn") for k in range(8)]
     fra = [made_record(arm="fra", run=k, coverage=(0.42, 0.47), kinds="fr") for k in range(7)]
-    fra.append(made_record(arm="fra", run=7, coverage=tuple(0.599 - 0.02 * k for k in range(10)), kinds="f" + 9 * "r"))
+    fra.append(made_record(arm="fra", run=7, coverage=tuple(0.499 - 0.01 * k for k in range(10)), kinds="f" + 9 * "r"))
     found = recovery_advantage(Comparison(pb + fra), "D")
     assert found is not None
-    assert found.gain.mean == pytest.approx((7 * 0.01 - 9 * 0.06) / 16)
+    assert found.gain.mean == pytest.approx((7 * 0.01 - 9 * 0.05) / 16)
     assert found.gain.high == pytest.approx(0.01)
     assert found.gain.low < found.gain.mean
 
@@ -133,15 +135,19 @@ def test_recovery_advantage_scatters_as_the_runs_do():
 def test_axis_of_the_boxes_holds_what_is_drawn():
     """Five views of 24 points need an axis of 30; four of 90 are too few to be drawn; nothing drawn leaves 10.
 
-    A view of 90 points beside seven of 5 lies beyond the whisker, is not drawn, and must not squeeze the boxes.
+    A view of 90 points beside seven of 5 lies beyond the whisker, is not drawn, and must not squeeze the boxes. Views
+    that take 12 points away need an axis from -20; the paper's medians of 20.7 and -1.6 on B one from -10 to 30.
     """
-    records = [made_record(arm="pb", run=k, coverage=(0.3, 0.54), kinds="fn") for k in range(5)]
-    records += [made_record(arm="fra", run=k, coverage=(0.05, 0.95), kinds="fr") for k in range(4)]
-    assert axis_end(Comparison(records), ["D"]) == 30.0
-    assert axis_end(Comparison(records[5:]), ["D"]) == 10.0
-    outlier = [made_record(arm="pb", run=k, coverage=(0.05, 0.1), kinds="fn") for k in range(7)]
-    outlier.append(made_record(arm="pb", run=7, coverage=(0.05, 0.95), kinds="fn"))
-    assert axis_end(Comparison(outlier), ["D"]) == 10.0
+    records = [made_record("C", "pb", k, (0.3, 0.54), "fn") for k in range(5)]
+    records += [made_record("C", "fra", k, (0.05, 0.95), "fr") for k in range(4)]
+    assert axis_ends(Comparison(records), ["C"]) == (0.0, 30.0)
+    assert axis_ends(Comparison(records[5:]), ["C"]) == (0.0, 10.0)
+    outlier = [made_record("C", "pb", k, (0.05, 0.1), "fn") for k in range(7)]
+    outlier.append(made_record("C", "pb", 7, (0.05, 0.95), "fn"))
+    assert axis_ends(Comparison(outlier), ["C"]) == (0.0, 10.0)
+    falling = [made_record("C", "pb", k, (0.42, 0.3), "fn") for k in range(5)]
+    assert axis_ends(Comparison(falling), ["C"]) == (-20.0, 10.0)
+    assert axis_ends(Comparison([]), ["B"]) == (-10.0, 30.0)
 
 
 def test_a_single_run_has_no_interval():
@@ -159,10 +165,32 @@ def test_cells_have_their_interval_below_and_real_minus_signs():
     assert signed(None) == "n/a"
 
 
+def test_what_recovery_brought_is_told_view_by_view_and_may_be_negative():
+    """Recovery views of +0.1, -0.05 and +0.02 on the map, 0.07 in all, whatever the raw cloud gained; last -0.2."""
+    gaining = made_record(coverage=(0.3, 0.4, 0.35, 0.5, 0.52), kinds="frrnr", raw=(0.4, 0.6, 0.7, 0.8, 0.9))
+    assert gaining.figures["recovery_contribution"] == pytest.approx(0.07)
+    assert gaining.figures["coverage_map_5mm"] == 0.52
+    assert gaining.figures["coverage_5mm"] == 0.9
+    losing = made_record(run=1, coverage=(0.5, 0.3, 0.4), kinds="frn")
+    found = Comparison([gaining, losing]).median("D", "fra", "recovery_contribution")
+    assert found is not None
+    assert found.value == pytest.approx((0.07 - 0.2) / 2)
+
+
+def test_figures_of_medians_are_of_the_starts_that_all_have():
+    """FRA's start 2 has no partner; over starts 0 and 1 the medians are 0.7 and 0.45."""
+    records = [made_record("D", "fra", k, (0.1, end), "fn") for k, end in enumerate((0.6, 0.8, 0.1))]
+    records += [made_record("D", "pb", k, (0.1, end), "fn") for k, end in enumerate((0.4, 0.5))]
+    found = Comparison(records).of_medians("D", ("fra", "pb"), first_less_second)
+    assert found is not None
+    assert (found.value, found.count) == (pytest.approx(0.25), 2)
+    assert Comparison(records).of_medians("D", ("fra", "re"), first_less_second) is None
+
+
 def test_only_fra_has_recoveries_to_count():
     """Of the others it is no result that they have none."""
     rows = arm_rows(Comparison([made_record(arm="fra"), made_record(arm="pb")]), ["D"], ["fra", "pb"])
-    assert [(row["activations"], row["contribution"]) for row in rows] == [("0.0", "0"), ("\u2013", "\u2013")]
+    assert [(row["activations"], row["contribution"]) for row in rows] == [("0.0", "0.0"), ("\u2013", "\u2013")]
 
 
 def test_largest_gamma_is_that_of_any_run():
