@@ -66,8 +66,8 @@ class _Path:
     """Density of the ray's direction over solid angle [1/sr]."""
     lamps_known: Any
     """What lamps the ray meets is counted already: by a connection from a Lambertian vertex, or as a caustic."""
-    diffused: Any
-    """Some vertex was Lambertian."""
+    photons_found: Any
+    """The last Lambertian vertex was where photons are counted, so that caustics there are known."""
     spread: Any
     """Solid angle between the samples of the lobes so far [sr]."""
 
@@ -128,6 +128,8 @@ class _Vertex:
     """Paths that have met a surface and may have this vertex."""
     connected: Any
     """Those of them that are connected to projector and lamps: all but those whose way is a caustic's."""
+    photons_count: Any
+    """Whether photons that land here are counted: where the light of seen places is known, at those alone."""
     known: Any
     """Those whose further light is known, so that they end here."""
     stopped: Any
@@ -191,9 +193,9 @@ class _Tracer:
             met.lamps += beta[1] * rest[1]
         spread = path.spread + dr.rcp(self.samples.n * dr.maximum(lobes.pdf, 1e-6))
         onwards = here.si.spawn_ray(here.si.to_world(lobes.onwards))
-        diffused = path.diffused | ~here.glossy
+        photons_found = dr.select(here.glossy, path.photons_found, here.photons_count)
         lamps_known = ~here.glossy | ~here.connected
-        return _Path(onwards, met, (beta[0], beta[1]), active, i + 1, lobes.pdf, lamps_known, diffused, spread)
+        return _Path(onwards, met, (beta[0], beta[1]), active, i + 1, lobes.pdf, lamps_known, photons_found, spread)
 
     @property
     def _closed(self) -> bool:
@@ -214,7 +216,7 @@ class _Tracer:
         met.lamps_stopped = dr.select(i <= 1, met.lamps, met.lamps_stopped)
         glossy = self.world.is_glossy(body)
         scattering = path.active & si.is_valid() & (i < self.sampling.max_depth) & (body < FIRST_LAMP)
-        known, stopped = mi.Bool(False), mi.Float(0)
+        known, stopped, photons_count = mi.Bool(False), mi.Float(0), mi.Bool(True)
         if self.seen is not None:
             normal = dr.mulsign(si.sh_frame.n, -dr.dot(si.n, path.ray.d))
             there, light = self.seen.at(si.p, normal, body, scattering & ~glossy)
@@ -225,11 +227,12 @@ class _Tracer:
             straight = light.lamps if self._closed else light.lamps + light.ambient
             stopped = dr.select(there, path.beta[1] * albedo[1] * straight, 0)
             known = there if self.seen.complete else known
+            photons_count = there
         connected = scattering
         if self.sampling.photons:
             sharp = dr.gather(mi.UInt32, surfaces.sharp, body, scattering) == 1
-            connected = scattering & ~(path.diffused & sharp)
-        return _Vertex(si, body, glossy, scattering, connected, known, stopped)
+            connected = scattering & ~(path.photons_found & sharp)
+        return _Vertex(si, body, glossy, scattering, connected, photons_count, known, stopped)
 
     def _projector_light(self, here: _Vertex, path: _Path, f_cos: Any, towards: Any, distance2: Any) -> Any:
         """What the projector's dots send on along the path from here [W m^-2 sr^-1]."""
