@@ -35,8 +35,8 @@ WINDOW = (112, 60, 200, 120)
 """Of the image: left, top, width, height [px]. The part and what it throws light onto."""
 POSE = look_at(np.array([0.25, -0.15, 0.35]), np.array([0.0, 0.0, 0.03]))
 SEEDS, SPP, OURS = 16, 16, 12
-"""Images of the judge, its paths a pixel in each, and images of ours: pixels share their samples, so that an image of ours
-may be off as a whole by what its set of them is off."""
+"""Images of the judge, its paths a pixel in each, and images of ours: all pixels of one share their samples, so that it
+may be off as a whole."""
 BEYOND = 0.01
 """Share of pixels that may lie beyond the limit."""
 OF_CLASSES = 0.02
