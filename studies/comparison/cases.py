@@ -108,6 +108,7 @@ def run_settings(
     settings = ReconstructSettings(
         part=part,
         material=(preset.corner,) if part == CORNER and preset.corner else (),
+        bench=preset.bench,
         lamps=preset.lamps,
         sensor=preset.sensor,
         planner=planner,

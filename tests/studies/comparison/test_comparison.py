@@ -85,13 +85,15 @@ def test_each_ablation_is_run_from_the_starts_of_the_whole_method():
 
 
 DIFFERS = {
-    "roll_90": {"sensor.roll_deg", "parameters.roll_deg"},
+    "roll_0": {"sensor.roll_deg", "parameters.roll_deg"},
     "profile_640x480": {"sensor.profile"},
     "high_accuracy": {"sensor.preset"},
     "high_density": {"sensor.preset"},
     "laser_off": {"sensor.imager.laser_power_mw"},
     "laser_most": {"sensor.imager.laser_power_mw"},
     "lamps_off": {"lamps"},
+    "lamps_hall": {"lamps"},
+    "plinth_white": {"plinth"},
     "bright": {"material"},
     "polished": {"material"},
     "mirror": {"material"},
@@ -102,7 +104,7 @@ DIFFERS = {
     "frames_5": {"parameters.n_frames"},
 }
 """What each link is meant to change, by the keys of a run's configuration."""
-STANDS_THERE = {"roll_0", "profile_640x360"}
+STANDS_THERE = {"roll_90", "profile_640x360"}
 """Links that change nothing of the paper preset."""
 
 
@@ -136,14 +138,14 @@ def test_every_link_is_checked():
 
 
 def test_a_link_at_which_the_study_stands_is_not_run():
-    """Nothing would be compared with itself; from a camera on end the level one is the change."""
+    """Nothing would be compared with itself; from a level camera the one on end is the change."""
     assert not any("," in run.arm for run in linked(*STANDS_THERE))
-    on_end = ComparisonPreset.named("paper").model_copy(
-        update={"sensor": SensorSettings(roll_deg=90.0), "links": ("roll_0", "roll_90")}
+    level = ComparisonPreset.named("paper").model_copy(
+        update={"sensor": SensorSettings(roll_deg=0.0), "links": ("roll_0", "roll_90")}
     )
-    changed = [run for run in planned_runs(on_end) if "," in run.arm]
-    assert {run.arm for run in changed} == {"fra, roll_0", "pb, roll_0"}
-    assert {(run.config.sensor.roll_deg, run.config.parameters.roll_deg) for run in changed} == {(0.0, 0.0)}
+    changed = [run for run in planned_runs(level) if "," in run.arm]
+    assert {run.arm for run in changed} == {"fra, roll_90", "pb, roll_90"}
+    assert {(run.config.sensor.roll_deg, run.config.parameters.roll_deg) for run in changed} == {(90.0, 90.0)}
 
 
 @pytest.mark.parametrize(
