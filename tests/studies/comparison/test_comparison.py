@@ -259,8 +259,8 @@ def test_finer_sensor_has_the_same_field_of_view(study: tuple[Path, ComparisonPr
 
 
 def test_voxels_are_counted_in_the_workspace():
-    """0.48 x 0.48 x 0.375 m in 64^3 voxels: (0.0864 m^3)^(1/3) / 64 = 6.91 mm."""
-    assert with_voxels(Parameters(), 64).voxel_size == pytest.approx(0.0864 ** (1 / 3) / 64)
+    """0.495 x 0.495 x 0.315 m in 64^3 voxels: (0.0772 m^3)^(1/3) / 64 = 6.65 mm."""
+    assert with_voxels(Parameters(), 64).voxel_size == pytest.approx((0.495 * 0.495 * 0.315) ** (1 / 3) / 64)
 
 
 def whole_page() -> str:
