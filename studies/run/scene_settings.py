@@ -30,8 +30,8 @@ class SubjectSettings(Config):
     """Shared by every command that looks at a part."""
 
     part: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
-    """Part A, B, C or D of the paper, A1, B1, C1 or D1 of an earlier set; or a coupon: plate, ball,
-    upright_cylinder, lying_cylinder, inside_corner."""
+    """Part A, B, C or D of the paper, E1 to E4 of its pictures, A1, B1, C1 or D1 of an earlier set; or a coupon: plate,
+    ball, upright_cylinder, lying_cylinder, inside_corner."""
     mesh: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """CAD file instead of a part: STL, PLY, OBJ, GLB, or STEP with the extra `step`."""
     units: Annotated[str | None, tyro.conf.arg(metavar="mm|cm|m|in")] = None
