@@ -71,6 +71,8 @@ class _Path:
     """Vertices that it may still have."""
     lamps_known: Any
     """What lamps the ray meets is counted already: by a connection from a Lambertian vertex, or as a caustic."""
+    diffused: Any
+    """Some vertex was Lambertian."""
     photons_found: Any
     """The last Lambertian vertex was where photons are counted, so that caustics there are known."""
     spread: Any
@@ -114,8 +116,7 @@ def trace_paths(
         dr.full(mi.UInt32, first_vertex, n),
         dr.zeros(mi.Float, n),
         dr.full(mi.UInt32, sampling.max_depth - first_vertex, n),
-        dr.full(mi.Bool, first_vertex > 0, n),
-        dr.full(mi.Bool, first_vertex > 0, n),
+        *(dr.full(mi.Bool, first_vertex > 0, n) for _ in range(3)),
         dr.full(mi.Float, np.pi / samples.n if first_vertex else 0, n),
     )
     (end,) = dr.while_loop((start,), lambda path: path.active, lambda path: (tracer.next_vertex(path),))
@@ -202,11 +203,11 @@ class _Tracer:
             met.lamps += beta[1] * rest[1]
         spread = path.spread + dr.rcp(self.samples.n * dr.maximum(lobes.pdf, 1e-6))
         onwards = here.si.spawn_ray(here.si.to_world(lobes.onwards))
+        diffused = path.diffused | ~here.glossy
         photons_found = dr.select(here.glossy, path.photons_found, here.photons_count)
         lamps_known = ~here.glossy | ~here.connected
-        return _Path(
-            onwards, met, (beta[0], beta[1]), active, i + 1, lobes.pdf, left, lamps_known, photons_found, spread
-        )
+        known_so_far = (lamps_known, diffused, photons_found)
+        return _Path(onwards, met, (beta[0], beta[1]), active, i + 1, lobes.pdf, left, *known_so_far, spread)
 
     @property
     def _closed(self) -> bool:
