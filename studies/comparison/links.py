@@ -36,6 +36,7 @@ class LinkChange(NamedTuple):
 
 LINKS: dict[str, LinkChange] = {
     "pixels_120x80": LinkChange("depth of 120 x 80 pixels of the same field", {"decimation": 4, "crop": (120, 80)}),
+    "profile_640x480": LinkChange("a stream of 640x480, whose Min-Z is 153 mm", {"profile": "640x480"}),
     "opencv_matcher": LinkChange("OpenCV's stereo matcher", {"matcher": "sgbm"}),
     "lamps_off": LinkChange("no lamps", lamps="off"),
     "halogen": LinkChange("halogen floods", lamps="halogen"),
