@@ -106,6 +106,13 @@ _ROWS = (
         "choice: matt paint of carbon black, grey under every light; such paints absorb 0.95 to 0.96 of sunlight "
         "(NS-7, Catalac, Z306: J. B. Henninger, NASA RP-1121, 1984)",
     ),
+    _matte(
+        "anodised_aluminium",
+        0.73,
+        grey(0.73),
+        "choice: etched matt and anodised without colour, as profiles are, its sheen left out, grey under every light; "
+        "absorbs 0.27 of sunlight (J. B. Henninger, NASA RP-1121, 1984)",
+    ),
 )
 
 NON_METALS: dict[str, NonMetal] = {row.material.name: row for row in _ROWS}
