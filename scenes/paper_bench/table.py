@@ -23,9 +23,9 @@ TABLE_TOP = -PLINTH_SIZE[2]
 """World z of the table under the plinth [m]."""
 PLINTH_MATERIALS = {"black": "black_paint", "white": "white_paint"}
 """Materials of a plinth by colour. The paper's is black and matt. It is taken for a black of carbon, as matt black
-paints and black rubber are. Black dyes are bright at 850 nm: aluminium that is dyed black in its anodised layer absorbs
-0.65 of sunlight alone (Henninger, NASA RP-1121), and before such a plinth the sensor would see grey; white is the other
-choice."""
+paints and black rubber are. Many black dyes are bright at 850 nm (samples of aluminium with a black anodised layer
+absorb 0.65 to 0.88 of sunlight: J. H. Henninger, NASA RP-1121, 1984), and the sensor would see a grey plinth; white is
+the other choice."""
 PROFILE_WIDTH = 0.045
 """Side of the table's aluminium profiles [m] (a common system's size)."""
 GROOVE = (0.010, 0.015)
