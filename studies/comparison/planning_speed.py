@@ -17,7 +17,7 @@ from franbv.candidates import candidate_poses
 from franbv.frames import Intrinsics
 from franbv.model import model_with
 from franbv.parameters import Parameters
-from franbv.planners import Planner, integrate_median, pb, ray_entropy
+from franbv.planners import Planner, integrate_burst, pb, ray_entropy
 from franbv.sensing import DepthBurst
 from franbv.stage_clock import StageClock
 from franbv.voxel_map import VoxelMap, empty_map
@@ -150,7 +150,7 @@ def filled_map(bursts: Sequence[DepthBurst], parameters: Parameters) -> VoxelMap
     """The map with these bursts in it, which is the same for all planners."""
     grid = empty_map(parameters)
     for burst in bursts:
-        grid = integrate_median(grid, burst, parameters)
+        grid = integrate_burst(grid, burst, parameters)
     return grid
 
 

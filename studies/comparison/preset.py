@@ -8,6 +8,7 @@ from franbv.parameters import Count, Parameters
 from franbv.planners import PlannerName
 from materials.suggestion import suggest
 from render.d435i import SensorSettings
+from scenes.build import BenchName
 from scenes.parts import PART_NAMES
 from studies.base.config import Preset
 from studies.comparison.links import LINKS
@@ -46,8 +47,10 @@ class ComparisonPreset(Preset):
     third of the paper's)."""
     seed: Annotated[int, Field(ge=0)] = 0
     """Root of all randomness."""
-    lamps: str = "workshop"
-    """Lamp preset."""
+    bench: BenchName = "workshop"
+    """What the parts stand on and in."""
+    lamps: str | None = None
+    """Lamp preset; None = the bench's own."""
     sensor: SensorSettings = SensorSettings()
     """The camera."""
     parameters: Parameters = Parameters()

@@ -11,8 +11,8 @@ import pyarrow as pa
 from jaxtyping import Float, Int
 
 from studies.base.case_folder import finished_case
-from studies.comparison.cases import RUNS, PlannedRun
-from studies.run.acquisition_table import RECOVERY
+from studies.run.acquisition_table import MAP_COVERAGE, RAW_COVERAGE, RECOVERY
+from studies.run.batch import RUNS, PlannedRun
 from studies.run.report.timing_figure import SENSING
 from studies.run.stored_run import StoredRun
 from studies.store.tables import Column
@@ -23,8 +23,8 @@ time that it takes to simulate one."""
 
 MAP_COLUMN = "filtered_coverage_5mm"
 """Column of a run's acquisitions that holds the coverage of the map: all figures of it here come from this column."""
-MAP_COVERAGE, CONTRIBUTED, RAW_COVERAGE = "coverage_map_5mm", "recovery_contribution", "coverage_5mm"
-"""Figures of a run [-]: coverage of the map at the end, what recovery views added to it, coverage of the raw cloud."""
+CONTRIBUTED = "recovery_contribution"
+"""Figure of a run: coverage of the map that recovery views added, view by view [-]."""
 
 
 @dataclass(frozen=True, eq=False)
