@@ -108,16 +108,19 @@ def trace_paths(
     if world.reflectances.has_others:
         _ = world.reflectances.bsdfs
     tracer = _Tracer(world, light, pixel, sample, samples, sampling, seen, closing)
+    yes, behind_lambertian = dr.full(mi.Bool, True, n), dr.full(mi.Bool, first_vertex > 0, n)
     start = _Path(
         ray,
         PathLight(*(dr.zeros(mi.Float, n) for _ in range(4))),
         (dr.full(mi.Float, 1, n), dr.full(mi.Float, 1, n)),
-        dr.full(mi.Bool, True, n),
+        yes,
         dr.full(mi.UInt32, first_vertex, n),
         dr.zeros(mi.Float, n),
         dr.full(mi.UInt32, sampling.max_depth - first_vertex, n),
-        *(dr.full(mi.Bool, first_vertex > 0, n) for _ in range(3)),
-        dr.full(mi.Float, np.pi / samples.n if first_vertex else 0, n),
+        lamps_known=behind_lambertian,
+        diffused=mi.Bool(behind_lambertian),
+        photons_found=mi.Bool(behind_lambertian),
+        spread=dr.full(mi.Float, np.pi / samples.n if first_vertex else 0, n),
     )
     (end,) = dr.while_loop((start,), lambda path: path.active, lambda path: (tracer.next_vertex(path),))
     return end.light
@@ -206,8 +209,19 @@ class _Tracer:
         diffused = path.diffused | ~here.glossy
         photons_found = dr.select(here.glossy, path.photons_found, here.photons_count)
         lamps_known = ~here.glossy | ~here.connected
-        known_so_far = (lamps_known, diffused, photons_found)
-        return _Path(onwards, met, (beta[0], beta[1]), active, i + 1, lobes.pdf, left, *known_so_far, spread)
+        return _Path(
+            onwards,
+            met,
+            (beta[0], beta[1]),
+            active,
+            i + 1,
+            lobes.pdf,
+            left,
+            lamps_known=lamps_known,
+            diffused=diffused,
+            photons_found=photons_found,
+            spread=spread,
+        )
 
     @property
     def _closed(self) -> bool:

@@ -24,6 +24,10 @@ COMMANDS = {
         "studies.comparison.command",
         "Whether FRA-NBV covers more than PB-NBV and ray-cast entropy, as the paper measured.",
     ),
+    "study readings": (
+        "studies.readings.command",
+        "Which reading of what the paper's text leaves open makes its table.",
+    ),
     "dataset make": (
         "studies.dataset.make.command",
         "Render labelled depth of random scenes from a declared distribution.",

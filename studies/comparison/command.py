@@ -18,7 +18,7 @@ from studies.base.flags import parse
 from studies.base.inputs import check_not_overwritten
 from studies.base.output_errors import prepare_output
 from studies.base.reading import reading
-from studies.comparison.cases import RUNS, PlannedRun, check_runs, jobs, planned_runs
+from studies.comparison.cases import planned_runs
 from studies.comparison.links import LINKS
 from studies.comparison.planning_speed import SPEED_JOB, SpeedTask, is_measured, measure_speed
 from studies.comparison.preset import ComparisonPreset
@@ -27,11 +27,11 @@ from studies.comparison.report.page import write_comparison_report
 from studies.comparison.statistics import Comparison
 from studies.comparison.summary import failed_runs, json_summary, paragraph
 from studies.run.ablation import ABLATIONS
+from studies.run.batch import RUNS, PlannedRun, check_runs, make_runs, stored_outcome
 from studies.run.scene_settings import preset_files, with_sensor_resolved
-from studies.run.stored_run import REPORT, StoredRun
+from studies.run.stored_run import REPORT
 from studies.store.tables import write_rows
-from studies.work.executor import Executor, WorkFlags, check_alike, executor_of, exit_status, reasons_once
-from studies.work.maker import Maker
+from studies.work.executor import Executor, WorkFlags, executor_of, exit_status, reasons_once
 from studies.work.study_clock import StudyClock
 from studies.work.workers import Failure, Job, run_jobs
 
@@ -76,7 +76,7 @@ def run(args: list[str]) -> int:
     with executor_of(command.work) as executor:  # before anything is written
         prepare_output(command.out)
         write_preset(command.out, preset)
-        clock = StudyClock.started(command.out, command.out / RUNS, stored_summary(command.out)["wall_s"])
+        clock = StudyClock.started(command.out, command.out / RUNS, stored_outcome(command.out / SUMMARY).wall_s)
         failures = reconstruct_all(command.out, preset, runs, executor)
     summary, comparison = evaluate(command.out, preset, runs, failures, clock.elapsed_s())
     clock.stop()
@@ -145,17 +145,9 @@ def with_stored_arms(preset: ComparisonPreset, out: Path) -> ComparisonPreset:
 
 def reconstruct_all(out: Path, preset: ComparisonPreset, runs: list[PlannedRun], executor: Executor) -> list[Failure]:
     """Make the runs that are not there yet, then time planning on this machine while nothing else runs."""
-    missing, tell = jobs(out, runs), reasons_once(_PROGRAM)
-    if missing:
-        check_alike(executor, out, [run_maker(case) for run in runs if (case := finished_case(out / RUNS, run.digest))])
-    failures = executor.run([missing], len(runs) - len(missing), tell)
+    failures = make_runs(out, runs, executor, _PROGRAM)
     speed = speed_job(out, preset, runs)
-    return failures + (run_jobs([[speed]], 1, tell=tell) if speed else [])
-
-
-def run_maker(case: Path) -> tuple[str, Maker]:
-    """Name of a finished run, and what made it."""
-    return f"run {case.name}", StoredRun(case).run["versions"]
+    return failures + (run_jobs([[speed]], 1, tell=reasons_once(_PROGRAM)) if speed else [])
 
 
 def speed_job(out: Path, preset: ComparisonPreset, runs: list[PlannedRun]) -> Job | None:
@@ -185,20 +177,9 @@ def evaluate(
     return summary, comparison
 
 
-def stored_summary(out: Path) -> dict[str, Any]:
-    """What the last command that came to its end stored; its failures, and the wall time of the study [s]."""
-    path = out / SUMMARY
-    if not path.exists():
-        return {"failures": [], "wall_s": 0.0}
-    with reading(path, "move it away, and give the study's command again"):
-        stored = json.loads(path.read_text())
-        return {"failures": stored["failures"], "wall_s": float(stored["wall_s"])}
-
-
 def rebuild(out: Path) -> Path:
     """Table, summary and report of a comparison from its folder alone; returns the report's path."""
     preset = stored_preset(out)
-    before = stored_summary(out)
-    failures = [Failure(**failure) for failure in before["failures"]]
-    evaluate(out, preset, planned_runs(preset), failures, before["wall_s"])
+    before = stored_outcome(out / SUMMARY)
+    evaluate(out, preset, planned_runs(preset), before.failures, before.wall_s)
     return out / REPORT

@@ -10,8 +10,8 @@ import pyarrow as pa
 from jaxtyping import Float, Int
 
 from studies.base.case_folder import finished_case
-from studies.comparison.cases import RUNS, PlannedRun
 from studies.run.acquisition_table import MAP_COVERAGE, RAW_COVERAGE
+from studies.run.batch import RUNS, PlannedRun
 from studies.run.report.timing_figure import SENSING
 from studies.run.stored_run import StoredRun
 from studies.store.tables import Column

@@ -14,7 +14,7 @@ from render.d435i import SensorSettings
 from studies.cli.main import main
 from studies.comparison import command as comparison
 from studies.comparison import planning_speed
-from studies.comparison.cases import RUNS, PlannedRun, check_runs, jobs, planned_runs, seed_at
+from studies.comparison.cases import planned_runs, seed_at
 from studies.comparison.command import with_named
 from studies.comparison.links import LINKS, arm_name
 from studies.comparison.paper import FINAL_COVERAGE, INCREMENTS, ITERATION_S
@@ -29,6 +29,7 @@ from studies.comparison.planning_speed import (
 from studies.comparison.preset import CORNER, ComparisonPreset
 from studies.comparison.report.page import comparison_html
 from studies.run.ablation import ABLATIONS
+from studies.run.batch import RUNS, PlannedRun, check_runs, jobs
 from studies.run.report.page import flattened
 from studies.run.run_case import RunSettings
 from studies.run.stored_run import StoredRun

@@ -9,12 +9,13 @@ from franbv.parameters import Parameters
 from franbv.sensing import DepthBurst
 from franbv.voxel_map import empty_map
 from studies.comparison import planning_speed
-from studies.comparison.cases import RUNS, planned_runs
+from studies.comparison.cases import planned_runs
 from studies.comparison.command import speed_job
 from studies.comparison.planning_speed import FEWEST_DECISIONS, MOST, SPEED_JOB, SpeedTask, is_measured, median_decision
 from studies.comparison.preset import ComparisonPreset
 from studies.comparison.report.speed_figure import speed_figure
 from studies.comparison.report.speed_tables import speed_goal_rows, speed_rows, speed_words
+from studies.run.batch import RUNS
 from tests.studies.comparison.made_speed import made_speed, with_goals
 
 
