@@ -128,8 +128,8 @@ def test_free_space_promises_more_than_the_unknown():
 
 
 def test_rays_look_through_free_space_and_into_the_unknown_as_deep_as_they_may():
-    """Observable: free voxels cost and bring nothing, however many; of unknown ones each keeps the same share, so that a
-    long row of them is worth ln 2 over that share; behind a surface nothing is worth anything."""
+    """Observable: free voxels cost and bring nothing, however many; of unknown ones each keeps the same share, so that
+    a long row of them is worth ln 2 over that share; behind a surface nothing is worth anything."""
     free, hit = np.log(0.12 / 0.88), np.log(0.97 / 0.03)
     pose = look_at(np.array([-9.0, -0.04, 0.0]), np.array([1.0, -0.04, 0.0]))
 
