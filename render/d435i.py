@@ -162,9 +162,17 @@ class SimulatedD435i:
         return self.expose(T_world_cam, *self.render(T_world_cam), n_frames)
 
     def expose(
-        self, T_world_cam: RigidTransform, left: RadianceLayers, right: RadianceLayers, n_frames: int
+        self,
+        T_world_cam: RigidTransform,
+        left: RadianceLayers,
+        right: RadianceLayers,
+        n_frames: int,
+        pixels: Bool[np.ndarray, "h w"] | None = None,
     ) -> Measurement:
-        """Measure from rendered layers; laser power, lamps, exposure and noise change without a new rendering."""
+        """Measure from rendered layers; laser power, lamps, exposure and noise change without a new rendering.
+
+        pixels: those whose depth is wanted, at least one; others may be left without. None = all in `window`.
+        """
         imager, seen = self.settings.imager, self.seen(T_world_cam)
         if self.settings.auto_exposure:
             imager = self.auto_exposed(T_world_cam, left, imager)
@@ -181,7 +189,8 @@ class SimulatedD435i:
                 strict=True,
             )
         )
-        disparities = self._matcher.match_burst(lefts, rights, self.window, self._search_start)
+        window = self.window if pixels is None else Window.around(pixels)
+        disparities = self._matcher.match_burst(lefts, rights, window, self._search_start)
         z16 = z16_from_disparity(disparities, self.rig.focal_baseline, self.settings.depth)
         burst = DepthBurst(metres_from_z16(self.reduced(z16), self.settings.depth), self.intrinsics, T_world_cam)
         depths = metres_from_z16(z16, self.settings.depth)

@@ -2,7 +2,8 @@
 
 Noise and speckle stay those of the measurement, and so do exposure and gain unless they are the question or dots are
 added to darkness: nothing but the light differs. These leave the metal in place, which gives false depth by itself: a
-pixel has come back only when it is matched rightly.
+pixel has come back only when it is matched rightly. Only the pixels that are asked for, at least one, are matched
+again with what lies between them; of others nothing is said.
 """
 
 import numpy as np
@@ -20,8 +21,10 @@ FULL_STRENGTH_AT = 0.3
 """Dots are as strong as they are meant to be at this distance [m] (D435i: nearest of its ideal range, 0.3 to 3 m)."""
 
 
-def matched_without_shadows(camera: SimulatedD435i, measurement: Measurement, truth: Truth) -> Bool[np.ndarray, "h w"]:
-    """Pixels that are matched rightly when nothing stands in the way of the dots to Lambertian surfaces."""
+def matched_without_shadows(
+    camera: SimulatedD435i, measurement: Measurement, truth: Truth, pixels: Bool[np.ndarray, "h w"]
+) -> Bool[np.ndarray, "h w"]:
+    """Which pixels are matched rightly when nothing stands in the way of the dots to Lambertian surfaces."""
     lit, pose = camera.changed(imager=measurement.imager), measurement.T_world_cam
     left, right = (
         RadianceLayers(layers.projector + missing, layers.ambient)
@@ -29,34 +32,38 @@ def matched_without_shadows(camera: SimulatedD435i, measurement: Measurement, tr
             (measurement.left_layers, measurement.right_layers), camera.dots_in_shadow(pose), strict=True
         )
     )
-    return is_matched_rightly(lit, lit.expose(pose, left, right, len(measurement.z16)), truth)
+    again = lit.expose(pose, left, right, len(measurement.z16), pixels)
+    return pixels & is_matched_rightly(lit, again, truth)
 
 
 def matched_when_exposed_for(
     camera: SimulatedD435i, measurement: Measurement, truth: Truth, pixels: Bool[np.ndarray, "h w"]
 ) -> Bool[np.ndarray, "h w"]:
-    """Pixels that are matched rightly when exposure and gain are such that the given ones are as bright as an image
-    should be on average."""
+    """Which pixels are matched rightly when exposure and gain are such that they are as bright as an image should be on
+    average."""
     left, right = measurement.left_layers, measurement.right_layers
-    again = camera.changed(imager=camera.auto_exposed(measurement.T_world_cam, left, measurement.imager, pixels))
-    return is_matched_rightly(again, again.expose(measurement.T_world_cam, left, right, len(measurement.z16)), truth)
+    other = camera.changed(imager=camera.auto_exposed(measurement.T_world_cam, left, measurement.imager, pixels))
+    again = other.expose(measurement.T_world_cam, left, right, len(measurement.z16), pixels)
+    return pixels & is_matched_rightly(other, again, truth)
 
 
-def matched_at_first_surface(camera: SimulatedD435i, measurement: Measurement, truth: Truth) -> Bool[np.ndarray, "h w"]:
-    """Pixels that are matched rightly when paths stop at the first surface: no mirror images, no mutual light.
+def matched_at_first_surface(
+    camera: SimulatedD435i, measurement: Measurement, truth: Truth, pixels: Bool[np.ndarray, "h w"]
+) -> Bool[np.ndarray, "h w"]:
+    """Which pixels are matched rightly when paths stop at the first surface: no mirror images, no mutual light.
 
     Only where that changes the images at all: a highlight that stays white may be matched otherwise by chance.
     """
     direct, pose = camera.changed(imager=measurement.imager), measurement.T_world_cam
     layers = camera.stopped_at_first_surface(pose, measurement.left_layers, measurement.right_layers)
-    again = direct.expose(pose, *layers, len(measurement.z16))
-    return is_matched_rightly(direct, again, truth) & looks_different(measurement, again, truth, camera.rig)
+    again = direct.expose(pose, *layers, len(measurement.z16), pixels)
+    return pixels & is_matched_rightly(direct, again, truth) & looks_different(measurement, again, truth, camera.rig)
 
 
 def matched_with_strong_dots(
-    camera: SimulatedD435i, measurement: Measurement, truth: Truth, right: SurfaceMap
+    camera: SimulatedD435i, measurement: Measurement, truth: Truth, right: SurfaceMap, pixels: Bool[np.ndarray, "h w"]
 ) -> Bool[np.ndarray, "h w"]:
-    """Pixels that are matched rightly when distance takes nothing from the dots and the laser has its default power.
+    """Which pixels are matched rightly when distance takes nothing from the dots and the laser has its default power.
 
     The law of inverse squares is undone in the rendered layers. A camera that chooses its exposure chooses it anew:
     the one for darkness would drown the dots. right: what the right imager's pixels see.
@@ -71,7 +78,8 @@ def matched_with_strong_dots(
     if camera.settings.auto_exposure:
         imager = camera.auto_exposed(pose, left_layers, imager)
     strong = camera.changed(imager=imager)
-    return is_matched_rightly(strong, strong.expose(pose, left_layers, right_layers, len(measurement.z16)), truth)
+    again = strong.expose(pose, left_layers, right_layers, len(measurement.z16), pixels)
+    return pixels & is_matched_rightly(strong, again, truth)
 
 
 def _strengthened(layers: RadianceLayers, depth: Float32[np.ndarray, "h w"]) -> RadianceLayers:

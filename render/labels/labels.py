@@ -120,10 +120,10 @@ def _causes(
     settle(invalid & ~reflects & places.near_dark, Cause.OUT_OF_REACH)
     undecided = invalid & ~reflects & (cause == Cause.MEASURED)
     if undecided.any():
-        settle(undecided & matched_with_strong_dots(camera, measurement, truth, right), Cause.OUT_OF_REACH)
+        settle(matched_with_strong_dots(camera, measurement, truth, right, undecided), Cause.OUT_OF_REACH)
         settle(undecided, Cause.UNEXPLAINED)
     if reflects.any():
-        settle(reflects & matched_at_first_surface(camera, measurement, truth), Cause.REFLECTION_INTERREFLECTION)
+        settle(matched_at_first_surface(camera, measurement, truth, reflects), Cause.REFLECTION_INTERREFLECTION)
         settle(reflects, reflection_kinds(measurement, truth, camera.rig, reflects))
     return cause
 

@@ -73,10 +73,10 @@ def measure_twin(
     lost &= ~is_matched_rightly(twin, measurement, truth)  # what comes back must have been away
     in_shadow = lost & places.near_shadow
     if in_shadow.any():
-        in_shadow &= matched_without_shadows(twin, measurement, truth)
+        in_shadow = matched_without_shadows(twin, measurement, truth, in_shadow)
     white = lost & is_white(measurement, truth, camera.rig)
     if white.any():
-        white &= matched_when_exposed_for(twin, measurement, truth, white)
+        white = matched_when_exposed_for(twin, measurement, truth, white)
     return MatteTwin(outcome, in_shadow, white, n_frames)
 
 

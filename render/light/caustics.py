@@ -4,6 +4,11 @@ Photons (H. W. Jensen, Global illumination using photon maps, EGWR 1996) from th
 at what is sharp alone, followed from one glossy surface to the next, and left on the first Lambertian one. There each
 is spread to a share of the width of the lobe that threw it, and counted into the pixels of both imagers. The photons
 are the same for both, so what error remains lies on the surface as the caustic itself does.
+
+They are smoothed twice, since neither way does alone. A lobe's width spreads what a photon stands for where the lobe is
+wide; a fixed blur joins what is left apart where it is narrow, and makes soft what few photons of wide lamps hit. On
+part D, a polished ball and an inside corner the error of the dots' caustics is 1.6 to 1.9 times as large without the
+first and 2.2 to 2.4 times without the second, that of the lamps' 1.4 and 10 times: three photons for one and more.
 """
 
 from dataclasses import dataclass

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float32, UInt8
+from jaxtyping import Bool, Float32, UInt8
 
 N_DISPARITIES = 126
 """Disparities that a D4 chip searches (Intel RealSense D400 datasheet: Min-Z = f B / 126)."""
@@ -35,6 +35,13 @@ class Window:
     def slices(self) -> tuple[slice, slice]:
         """Rows and columns, to index an image with."""
         return slice(self.top, self.top + self.height), slice(self.left, self.left + self.width)
+
+    @classmethod
+    def around(cls, pixels: Bool[np.ndarray, "h w"]) -> "Window":
+        """The smallest that holds these pixels, of which there is at least one."""
+        rows, columns = np.flatnonzero(pixels.any(axis=1)), np.flatnonzero(pixels.any(axis=0))
+        left, top = int(columns[0]), int(rows[0])
+        return cls(left, top, int(columns[-1]) - left + 1, int(rows[-1]) - top + 1)
 
     @classmethod
     def whole(cls, shape: tuple[int, ...]) -> "Window":

@@ -91,4 +91,5 @@ def test_light_of_one_surface_leaves_a_lone_mirror_as_it_is():
     so no pixel may count as lost to light between surfaces."""
     camera = SimulatedD435i(Scene("alone", (tilted_plate(material("iron:polished"), 20.0),), (), 0.0), MEASURED_WITH)
     measurement = camera.measure(facing_x(), 1)
-    assert not matched_at_first_surface(camera, measurement, camera.truth(facing_x())).any()
+    everywhere = np.ones(measurement.z16.shape[1:], bool)
+    assert not matched_at_first_surface(camera, measurement, camera.truth(facing_x()), everywhere).any()
