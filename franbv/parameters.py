@@ -196,8 +196,8 @@ class Parameters(BaseModel):
     recovered_share: Share = _number(0.3, "tau_rec, Gamma above which a recovery ends [-]. Table.")
     capacity: Literal["volume", "sheet"] = _number(
         "volume",
-        "N_cap, what Gamma is a share of: all voxels of the enlarged box (text, eq. (15)), or those of a sheet across "
-        "it, which is all that a surface can fill.",
+        "N_cap, what Gamma is a share of: all voxels of the enlarged box, or those of a sheet across it, which is all "
+        "that a surface can fill. Text, eq. (15), has the first.",
     )
 
     @model_validator(mode="after")

@@ -104,7 +104,14 @@ _ROWS = (
         0.04,
         grey(0.04),
         "choice: matt paint of carbon black, grey under every light; such paints absorb 0.95 to 0.96 of sunlight "
-        "(NS-7, Catalac, Z306: J. B. Henninger, NASA RP-1121, 1984)",
+        "(NS-7, Catalac, Z306: J. H. Henninger, NASA RP-1121, 1984)",
+    ),
+    _matte(
+        "anodised_aluminium",
+        0.69,
+        grey(0.69),
+        "choice: etched matt and anodised without colour, as profiles are, its sheen left out, grey under every light; "
+        "two clear samples absorb 0.27 and 0.35 of sunlight (J. H. Henninger, NASA RP-1121, 1984)",
     ),
 )
 

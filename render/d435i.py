@@ -88,15 +88,26 @@ class SimulatedD435i:
         self._search_start = self.settings.rig.disparity_shift
         own_shift = getattr(self._matcher, "shift", 0)  # of a matcher of the caller's, which may have one
         self.rig: Rig = replace(self.settings.rig, disparity_shift=self._search_start + own_shift)
-        band_pass = self.settings.imager.band_pass
-        self._lamp_share = 1.0 if band_pass is None else band_pass.passed_share(scene.lamp_band)
-        self.world = load_scene(self._behind_filter(scene))
+        self.scene = scene
+        self.world = load_scene(self._seen_scene)
         self._seed = seed
         self._sampling = sampling or Sampling()
         self._view: dict[bytes, StereoView] = {}
         self._seen: tuple[StereoView, Scene, tuple[SeenSurfaces, SeenSurfaces]] | None = None
         self._dots = projector_dots(self.settings.model, self.settings.dot_fwhm_px)
         self._light = ProjectorLight.at(RigidTransform.identity(), dot_pattern(self._dots), 0.0)
+
+    @property
+    def _seen_scene(self) -> Scene:
+        """The scene as the imagers see it: through a filter lamps shine at 850 nm alone."""
+        plain = self.settings.imager.band_pass is None
+        return self.scene if plain else replace(self.scene, lamp_band=Band.PROJECTOR)
+
+    @property
+    def _lamp_share(self) -> float:
+        """Share of the lamps' electrons that a filter lets through [0, 1]."""
+        band_pass = self.settings.imager.band_pass
+        return 1.0 if band_pass is None else band_pass.passed_share(self.scene.lamp_band)
 
     @property
     def intrinsics(self) -> Intrinsics:
@@ -221,22 +232,20 @@ class SimulatedD435i:
     ) -> "SimulatedD435i":
         """The same camera with one thing changed, its seed and so its noise kept.
 
-        scene: another one before it. imager: exposure and gain held at these. sampling: fields of `Sampling`.
+        scene: another one before it, as it is without a filter. imager: exposure and gain held at these. sampling:
+        fields of `Sampling`.
         """
         other = copy.copy(self)
-        if scene is not None:
-            scene = self._behind_filter(scene)
-            other.world = load_scene(scene, self.world)
-            if not scene.has_geometry_of(self.world.source):
-                other._view = {}
+        other.scene = scene or self.scene
         if imager is not None:
             other.settings = self.settings.model_copy(update={"imager": imager, "auto_exposure": False})
+        seen = other._seen_scene
+        if scene is not None or seen.lamp_band is not self.world.source.lamp_band:
+            other.world = load_scene(seen, self.world)
+            if not seen.has_geometry_of(self.world.source):
+                other._view = {}
         other._sampling = replace(self._sampling, **sampling)
         return other
-
-    def _behind_filter(self, scene: Scene) -> Scene:
-        """The scene as the imagers see it: through a filter lamps shine at 850 nm alone."""
-        return scene if self.settings.imager.band_pass is None else replace(scene, lamp_band=Band.PROJECTOR)
 
     def reduced(self, z16: UInt16[np.ndarray, "n h w"]) -> UInt16[np.ndarray, "n h_d w_d"]:
         """Decimated and cropped."""

@@ -1,6 +1,7 @@
 """Parts from the committed meshes, each body with the material that the real thing has.
 
-A-D are the paper's objects, as its authors photographed them; A1-D1 are an earlier set of parts of those kinds.
+A-D are the paper's objects, as its authors photographed them; A1-D1 are an earlier set of parts of those
+kinds; E1-E4 are what the paper shows without numbers, right in kind and not in every detail.
 """
 
 import functools
@@ -18,7 +19,9 @@ PART_NAMES = ("A", "B", "C", "D")
 """The paper's own objects."""
 EARLIER_PARTS = ("A1", "B1", "C1", "D1")
 """An earlier set, with which datasets are balanced and the sensor's figures made."""
-ALL_PARTS = (*PART_NAMES, *EARLIER_PARTS)
+EXTRA_PARTS = ("E1", "E2", "E3", "E4")
+"""Concave things that the paper shows pictures of, and no numbers."""
+ALL_PARTS = (*PART_NAMES, *EARLIER_PARTS, *EXTRA_PARTS)
 """Whatever `--part` finds here."""
 
 

@@ -47,7 +47,7 @@ def twin_scene(scene: Scene) -> Scene:
 
 def twin_camera(camera: SimulatedD435i) -> SimulatedD435i:
     """The same camera before the matte twin of its scene."""
-    return camera.changed(scene=twin_scene(camera.world.source))
+    return camera.changed(scene=twin_scene(camera.scene))
 
 
 def measure_twin(

@@ -80,8 +80,15 @@ def from_projector(world: LoadedScene, view: ProjectorView, most: int, seed: int
 def from_lamps(world: LoadedScene, most: int, seed: int) -> Photons | None:
     """The lamps' light: photons to points that lie evenly on the sharp bodies; None without lamps or such bodies.
 
-    A lamp of radiance L sends L cos cos dA dA / d^2 from one patch of itself to one of a surface.
+    They are the same for all poses, and kept.
     """
+    if (most, seed) not in world.lamp_photons:
+        world.lamp_photons[most, seed] = _shot_from_lamps(world, most, seed)
+    return world.lamp_photons[most, seed]
+
+
+def _shot_from_lamps(world: LoadedScene, most: int, seed: int) -> Photons | None:
+    """A lamp of radiance L sends L cos cos dA dA / d^2 from one patch of itself to one of a surface."""
     mi = backend.mitsuba()
     import drjit as dr
 

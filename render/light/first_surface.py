@@ -6,8 +6,9 @@ and all that is changed about the light on its later way.
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, no_type_check
 
+import numba
 import numpy as np
 from jaxtyping import Bool, Float32, UInt8
 from scipy.spatial.transform import RigidTransform
@@ -121,13 +122,11 @@ class FirstSurface:
     def dots_unhidden(self) -> Float32[np.ndarray, "h w"]:
         """Irradiance over pi of the projector's light at every pixel, dots evened out and shadows not regarded [W m^-2
         sr^-1]."""
-        way = self.light.position.numpy().ravel() - self.surface.position
-        distance2 = np.maximum(np.sum(way**2, axis=-1), 1e-9)
-        facing = np.maximum(np.sum(way * self.surface.normal, axis=-1), 0) / np.sqrt(distance2)
-        axis = self.light.world_to_projector.numpy().reshape(3, 3)[2]
-        cos_axis = np.maximum(-(way @ axis), 0) / np.sqrt(distance2)
-        mean = float(self.light.mean.numpy()[0])
-        return (mean * facing / (np.maximum(cos_axis, 0.3) ** 3 * distance2) * (cos_axis > 0)).astype(np.float32)
+        out = np.zeros(self.shape, np.float32)
+        axis = np.ascontiguousarray(self.light.world_to_projector.numpy().reshape(3, 3)[2])
+        place, mean = self.light.position.numpy().ravel(), self.light.mean.numpy()[0]
+        _shine(self.surface.position, self.surface.normal, place, axis, mean, out)
+        return out
 
     def dots(self, n: int, seed: int) -> Dots:
         """At n positions in every pixel, the same in all; the seed picks them."""
@@ -180,6 +179,24 @@ class FirstSurface:
         si.n = dr.select(even, mi.Normal3f(normal), si.n)
         si.sh_frame.n = dr.select(even, mi.Normal3f(normal), si.sh_frame.n)
         return si, body
+
+
+@no_type_check
+@numba.njit(nogil=True, cache=True)
+def _shine(position, normal, place, axis, mean, out):
+    """Irradiance over pi by a point light at `place` that shines evenly before it; 73 deg off its axis as beyond."""
+    for v in range(out.shape[0]):
+        for u in range(out.shape[1]):
+            distance2, facing, along = np.float32(1e-9), np.float32(0), np.float32(0)
+            for k in range(3):
+                way = place[k] - position[v, u, k]
+                distance2 += way * way
+                facing += way * normal[v, u, k]
+                along -= way * axis[k]
+            if facing > 0 and along > 0:
+                distance = np.sqrt(distance2)
+                cosine = max(along / distance, np.float32(0.3))
+                out[v, u] = mean * facing / (distance * cosine * cosine * cosine * distance2)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,8 +3,8 @@
 Projector and ambient light are carried side by side along the same path, each with the reflectances of its own band. At
 each vertex the projector and one point on a lamp are connected; the path then follows a sample of the BSDF. Metal's
 BSDF samples that hit a lamp are weighted against the lamp connections by the power heuristic (Veach 1997, ch. 9). Paths
-end after a few vertices; what the last one would still get by way of others comes from radiosity between patches
-(`render.world.radiosity`), so that no light is cut off.
+end after a few vertices, sooner once one was Lambertian; what the last one would still get by way of others comes from
+radiosity between patches (`render.world.radiosity`), so that no light is cut off.
 
 Two choices keep Monte-Carlo error below the imager's noise at few samples:
 - every pixel uses the *same* low-discrepancy sample set, so error varies over the image as slowly as the scene does,
@@ -34,6 +34,9 @@ from render.world.scene_geometry import FIRST_LAMP
 FOOTPRINT_SIGMA = 0.5
 """Blur of the dots behind a glossy vertex, in units of the distance between samples (choice: the usual width of a
 Gaussian reconstruction filter)."""
+BEHIND_DIFFUSE = 1
+"""Vertices that a path from a glossy surface has behind its first Lambertian one before radiosity closes it. Choice: as
+mirrored light then comes from three surfaces one after another, as that of a pixel that sees a Lambertian one does."""
 
 
 @dataclass
@@ -64,8 +67,12 @@ class _Path:
     """Number of the vertex that the ray meets, from 0."""
     pdf: Any
     """Density of the ray's direction over solid angle [1/sr]."""
+    left: Any
+    """Vertices that it may still have."""
     lamps_known: Any
     """What lamps the ray meets is counted already: by a connection from a Lambertian vertex, or as a caustic."""
+    diffused: Any
+    """Some vertex was Lambertian."""
     photons_found: Any
     """The last Lambertian vertex was where photons are counted, so that caustics there are known."""
     spread: Any
@@ -101,16 +108,19 @@ def trace_paths(
     if world.reflectances.has_others:
         _ = world.reflectances.bsdfs
     tracer = _Tracer(world, light, pixel, sample, samples, sampling, seen, closing)
+    yes, behind_lambertian = dr.full(mi.Bool, True, n), dr.full(mi.Bool, first_vertex > 0, n)
     start = _Path(
         ray,
         PathLight(*(dr.zeros(mi.Float, n) for _ in range(4))),
         (dr.full(mi.Float, 1, n), dr.full(mi.Float, 1, n)),
-        dr.full(mi.Bool, True, n),
+        yes,
         dr.full(mi.UInt32, first_vertex, n),
         dr.zeros(mi.Float, n),
-        dr.full(mi.Bool, first_vertex > 0, n),
-        dr.full(mi.Bool, first_vertex > 0, n),
-        dr.full(mi.Float, np.pi / samples.n if first_vertex else 0, n),
+        dr.full(mi.UInt32, sampling.max_depth - first_vertex, n),
+        lamps_known=behind_lambertian,
+        diffused=mi.Bool(behind_lambertian),
+        photons_found=mi.Bool(behind_lambertian),
+        spread=dr.full(mi.Float, np.pi / samples.n if first_vertex else 0, n),
     )
     (end,) = dr.while_loop((start,), lambda path: path.active, lambda path: (tracer.next_vertex(path),))
     return end.light
@@ -184,18 +194,34 @@ class _Tracer:
         met.lamps_stopped += dr.select(i == 0, from_lamps + here.stopped, 0)
 
         beta = [b * w for b, w in zip(path.beta, lobes.weight, strict=True)]
+        left = path.left - dr.select(here.scattering, 1, 0)
+        if self.closing is not None:
+            left = dr.select(path.diffused | here.glossy, left, dr.minimum(left, BEHIND_DIFFUSE))
         # After the last vertex a path may still meet what was not connected: a lamp seen in metal, the surroundings.
-        useful = (i + 1 < self.sampling.max_depth) | here.glossy if self._closed else mi.Bool(True)
+        useful = (left > 0) | (here.glossy & here.connected) if self._closed else mi.Bool(True)
         active = going_on & (lobes.pdf > 0) & (dr.maximum(*beta) > 0) & useful
         if self.closing is not None:
-            rest = self.closing.at(here.si, going_on & (i + 1 >= self.sampling.max_depth))
+            rest = self.closing.at(here.si, going_on & (left == 0))
             met.projector += beta[0] * rest[0]
             met.lamps += beta[1] * rest[1]
         spread = path.spread + dr.rcp(self.samples.n * dr.maximum(lobes.pdf, 1e-6))
         onwards = here.si.spawn_ray(here.si.to_world(lobes.onwards))
+        diffused = path.diffused | ~here.glossy
         photons_found = dr.select(here.glossy, path.photons_found, here.photons_count)
         lamps_known = ~here.glossy | ~here.connected
-        return _Path(onwards, met, (beta[0], beta[1]), active, i + 1, lobes.pdf, lamps_known, photons_found, spread)
+        return _Path(
+            onwards,
+            met,
+            (beta[0], beta[1]),
+            active,
+            i + 1,
+            lobes.pdf,
+            left,
+            lamps_known=lamps_known,
+            diffused=diffused,
+            photons_found=photons_found,
+            spread=spread,
+        )
 
     @property
     def _closed(self) -> bool:
@@ -215,7 +241,7 @@ class _Tracer:
         # A path that stopped at vertex 0 has seen in it the lamps that its ray meets next.
         met.lamps_stopped = dr.select(i <= 1, met.lamps, met.lamps_stopped)
         glossy = self.world.is_glossy(body)
-        scattering = path.active & si.is_valid() & (i < self.sampling.max_depth) & (body < FIRST_LAMP)
+        scattering = path.active & si.is_valid() & (path.left > 0) & (body < FIRST_LAMP)
         known, stopped, photons_count = mi.Bool(False), mi.Float(0), mi.Bool(True)
         if self.seen is not None:
             normal = dr.mulsign(si.sh_frame.n, -dr.dot(si.n, path.ray.d))

@@ -79,7 +79,7 @@ def render_layers(
 ) -> RadianceLayers:
     """Render both layers as an ideal imager with box-shaped pixels sees them; one seed, one image."""
     first = FirstSurface(world, light, intrinsics, T_world_imager)
-    return _Renderer.at(world, first, sampling, seed).render(first)
+    return _Renderer.at(world, first, sampling, seed).render(first)[0]
 
 
 def render_stereo(
@@ -90,7 +90,9 @@ def render_stereo(
     view: of this scene, or of another one of the same geometry.
     """
     renderer = _Renderer.at(world, view.left, sampling, seed)
-    return renderer.render(view.left), renderer.render(view.right)
+    left, seen = renderer.render(view.left)
+    right, _ = renderer.render(view.right, seen)
+    return left, right
 
 
 def stop_at_first_surface(
@@ -107,11 +109,11 @@ def stop_at_first_surface(
     ValueError for layers that carry none.
     """
     direct = _Renderer.at(world, view.left, replace(sampling, max_depth=1), seed)
-    images = []
+    images, seen = [], None
     for first, layers in zip((view.left, view.right), rendered, strict=True):
         if layers.stopped is None:
             raise ValueError("layers without stopped paths; pass what render_stereo returned")
-        radiance, _, _ = direct.of_lambertian(first)
+        radiance, _, seen = direct.of_lambertian(first, seen)
         radiance.reshape(2, -1)[:, layers.stopped.pixels] = layers.stopped.layers
         images.append(RadianceLayers(radiance[0], radiance[1]))
     return images[0], images[1]
@@ -138,53 +140,59 @@ class _Renderer:
         photons = from_projector(world, view, most, seed), from_lamps(world, most // LAMP_SHARE, seed)
         return cls(world, sampling, seed, closing, photons)
 
-    def render(self, first: FirstSurface) -> RadianceLayers:
-        """One imager's layers."""
+    def render(self, first: FirstSurface, other: SeenLight | None = None) -> tuple[RadianceLayers, SeenLight | None]:
+        """One imager's layers, and the smooth light that it sees. other: that of another imager."""
         sampling = self.sampling
-        layers, glossy, smooth = self.of_lambertian(first)
+        layers, glossy, smooth = self.of_lambertian(first, other)
         pixels = np.flatnonzero(glossy)
-        paths, variance = self._whole_paths(first, smooth, pixels, sampling.glossy_paths)
+        few, many = sampling.glossy_paths, sampling.refined_paths
+        moments = self._whole_paths(first, smooth, pixels, 0, few)
+        variance = moments[4] - np.square(moments[:2].sum(axis=0))
+        paths = moments[:4]
         noisiest = np.sort(np.argsort(-variance, kind="stable")[: round(sampling.refined_share * len(pixels))])
-        if len(noisiest):
-            paths[:, noisiest], _ = self._whole_paths(first, smooth, pixels[noisiest], sampling.refined_paths)
+        if len(noisiest) and many > few:
+            # A Sobol' set begins with the smaller one: its paths are there already.
+            further = self._whole_paths(first, smooth, pixels[noisiest], few, many)[:4]
+            paths[:, noisiest] += np.float32(1 - few / many) * (further - paths[:, noisiest])
         layers.reshape(2, -1)[:, pixels] = paths[:2]
-        return RadianceLayers(layers[0], layers[1], StoppedPaths(pixels, paths[2:]))
+        return RadianceLayers(layers[0], layers[1], StoppedPaths(pixels, paths[2:])), smooth
 
     def of_lambertian(
-        self, first: FirstSurface
+        self, first: FirstSurface, other: SeenLight | None = None
     ) -> tuple[Float32[np.ndarray, "2 h w"], Bool[np.ndarray, "h w"], SeenLight | None]:
         """Both layers of the pixels that see Lambertian surfaces alone, which pixels see others, and the smooth
-        light."""
+        light. other: as in `smooth_light`."""
         world, sampling = self.world, self.sampling
         if sampling.whole_paths_everywhere:
             return np.zeros((2, *first.shape), np.float32), np.ones(first.shape, bool), None
         dots = first.dots(sampling.subpixels, self.seed)
         from_projector, glossy = dots.on(world)
         thrown = [caustics(photons, first, blur) for photons, blur in zip(self.photons, CAUSTIC_BLUR_PX, strict=True)]
-        smooth = smooth_light(world, first, sampling, self.seed, np.stack(thrown), self.closing)
+        smooth = smooth_light(world, first, sampling, self.seed, np.stack(thrown), self.closing, other)
         light = np.stack([smooth.projector, smooth.lamps + smooth.ambient])
         albedo = np.stack([lookup.numpy() for lookup in world.reflectances.albedo])
         layers = reflected(light, albedo, first.surface.body, dots.bodies)
         return layers + np.stack([from_projector, dots.lamps_seen]), glossy, smooth
 
     def _whole_paths(
-        self, first: FirstSurface, smooth: SeenLight | None, pixels: Int[np.ndarray, "p"], n: int
-    ) -> tuple[Float32[np.ndarray, "4 p"], Float32[np.ndarray, "p"]]:
-        """Both layers at the given pixels (flat indices) by n full paths each, both of the same paths if they stop at
-        the first surface, and the variance of each pixel's full paths."""
+        self, first: FirstSurface, smooth: SeenLight | None, pixels: Int[np.ndarray, "p"], start: int, end: int
+    ) -> Float32[np.ndarray, "5 p"]:
+        """Both layers at the given pixels (flat indices) by full paths, means of the samples `start` to `end` of a set
+        of `end`; both of the same paths if they stop at the first surface; and the mean square of the full paths'
+        light."""
         mi = backend.mitsuba()
         import drjit as dr
 
         sampling = self.sampling
         if sampling.max_depth > 1:
             sampling = replace(sampling, max_depth=sampling.max_depth + sampling.glossy_vertices)
-        samples = SampleSet.sobol(n, sampling.max_depth, sampling.rotated, self.seed)
+        samples, n = SampleSet.sobol(end, sampling.max_depth, sampling.rotated, self.seed), end - start
         moments = np.zeros((5, len(pixels)), np.float32)
         step, width = max(PATHS_PER_LAUNCH // n, 1), first.shape[1]
-        for start in range(0, len(pixels), step):
-            chosen = mi.UInt32(pixels[start : start + step].astype(np.uint32))
+        for place in range(0, len(pixels), step):
+            chosen = mi.UInt32(pixels[place : place + step].astype(np.uint32))
             index = dr.arange(mi.UInt32, dr.width(chosen) * n)
-            pixel, sample = dr.gather(mi.UInt32, chosen, index // n), index % n
+            pixel, sample = dr.gather(mi.UInt32, chosen, index // n), start + index % n
             row = pixel // dr.opaque(mi.UInt32, width)
             u = mi.Float(pixel - row * width) + samples.uniform(sample, pixel, 0) - 0.5
             v = mi.Float(row) + samples.uniform(sample, pixel, 1) - 0.5
@@ -193,5 +201,5 @@ class _Renderer:
                 self.world, first.light, ray, pixel, sample, samples, sampling, seen=smooth, closing=self.closing
             )
             values = [light.projector, light.lamps, light.projector_stopped, light.lamps_stopped]
-            moments[:, start : start + step] = sample_means([*values, dr.square(light.projector + light.lamps)], n)
-        return moments[:4], moments[4] - np.square(moments[:2].sum(axis=0))
+            moments[:, place : place + step] = sample_means([*values, dr.square(light.projector + light.lamps)], n)
+        return moments

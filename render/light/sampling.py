@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -37,9 +38,9 @@ class Sampling:
     glossy_paths: int = 32
     """Paths of a pixel that sees a glossy surface, at first."""
     refined_share: float = 0.125
-    """Share of those pixels, the noisiest, that are computed again."""
+    """Share of those pixels, the noisiest, that get more."""
     refined_paths: int = 128
-    """Paths of a pixel that is computed again."""
+    """Paths of such a pixel, those from before among them."""
     indirect_directions: int = 128
     """Directions gathered per interpolation point of the indirect light on Lambertian surfaces."""
     fine_directions: int = 64
@@ -53,7 +54,7 @@ class Sampling:
     """Surface vertices of a path: 1 = direct light only, 3 = two bounces more."""
     glossy_vertices: int = 2
     """Further ones of paths from pixels that see a glossy surface, unless there is direct light only: between metals
-    light goes back and forth, while most other paths end where the light is known."""
+    light goes back and forth, while paths end soon behind a Lambertian surface (`render.light.paths`)."""
     closing: bool = True
     """Add what paths that end there leave out (`render.world.radiosity`)."""
     filtered: bool = True
@@ -96,8 +97,7 @@ class SampleSet:
         """n points for paths of up to `max_depth` vertices; `seed` picks the scrambling."""
         mi = backend.mitsuba()
         dimensions = DIMENSIONS_PIXEL + DIMENSIONS_VERTEX * (max_depth + 1)
-        points = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(seed)).random(n)
-        return cls(n, mi.Float(np.clip(points, 0, 1 - 1e-6).astype(np.float32).ravel()), dimensions, rotated)
+        return cls(n, mi.Float(_sobol_points(n, dimensions, seed).ravel()), dimensions, rotated)
 
     def uniform(self, sample: Any, pixel: Any, dimension: Any, active: Any = True) -> Any:
         """Coordinate `dimension` of the sample, in [0, 1)."""
@@ -109,6 +109,15 @@ class SampleSet:
             value += mi.sample_tea_float32(pixel, dimension + 1)
             value -= dr.floor(value)
         return dr.minimum(value, np.float32(1 - 6e-8))
+
+
+@lru_cache(maxsize=32)
+def _sobol_points(n: int, dimensions: int, seed: int) -> Float32[np.ndarray, "n d"]:
+    """In [0, 1); kept, since drawing the scrambling takes longer than many a kernel."""
+    points = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(seed)).random(n)
+    points = np.clip(points, 0, 1 - 1e-6).astype(np.float32)
+    points.setflags(write=False)
+    return points
 
 
 def sample_means(values: Sequence[Any], n: int) -> Float32[np.ndarray, "c pixels"]:

@@ -5,7 +5,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import Bool, Float32, Int
 
 from render.world import backend
 from render.world.pixel_rays import Imager
@@ -22,6 +22,16 @@ class SeenSurface:
 
     imager: Imager
     surface: SurfaceMap
+
+    def among(self, points: SurfaceMap) -> tuple[Int[np.ndarray, "p"], Bool[np.ndarray, "p"]]:
+        """`at` of the points of a map of one row, on the host: the pixels that they fall into, and whether those see
+        them."""
+        mi = backend.mitsuba()
+        position, normal = (np.ascontiguousarray(a.reshape(-1, 3).T) for a in (points.position, points.normal))
+        body = mi.UInt32(points.body.ravel().astype(np.uint32))
+        pixel, seen, _ = self.at(mi.Point3f(position), mi.Normal3f(normal), body, mi.Bool(True))
+        pixel = np.where(seen.numpy(), pixel.numpy(), 0)
+        return pixel.astype(np.int64), seen.numpy()
 
     @cached_property
     def _device(self) -> tuple[Any, Any, Any]:
@@ -78,14 +88,24 @@ class SeenLight:
     """
 
     where: SeenSurface
-    projector: Float32[np.ndarray, "h w"]
-    """As in `LightThere` [W m^-2 sr^-1]."""
-    ambient: Float32[np.ndarray, "h w"]
-    """Likewise."""
+    caustics: Float32[np.ndarray, "2 h w"]
+    """Of the projector's and of the lamps' light [W m^-2 sr^-1]."""
+    by_others: Float32[np.ndarray, "2 h w"]
+    """The rest of what comes by way of other surfaces, and from outside the scene, likewise; 0 where not complete."""
     lamps: Float32[np.ndarray, "h w"]
-    """Likewise."""
+    """Straight from the lamps; 0 where not complete."""
     complete: bool
     """Nothing but the dots themselves is missing; else caustics are all that is known."""
+
+    @property
+    def projector(self) -> Float32[np.ndarray, "h w"]:
+        """As in `LightThere` [W m^-2 sr^-1]."""
+        return self.by_others[0] + self.caustics[0]
+
+    @property
+    def ambient(self) -> Float32[np.ndarray, "h w"]:
+        """Likewise."""
+        return self.by_others[1] + self.caustics[1]
 
     @cached_property
     def _channels(self) -> Any:

@@ -2,10 +2,10 @@
 
 Irradiance is computed at few pixels and interpolated within each surface (`render.world.interpolation`); each pixel's
 own albedo makes radiance of it. It looks alike from everywhere, so it also serves the light paths that come from metal
-to a place that the imager sees.
+to a place that the imager sees, and the other imager.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from render.light.first_surface import FirstSurface
 from render.light.paths import trace_paths
 from render.light.projector import ProjectorLight
 from render.light.sampling import SampleSet, Sampling, sample_means
-from render.light.seen import SeenLight
+from render.light.seen import SeenLight, SeenSurface
 from render.world import backend
 from render.world.interpolation import interpolated
 from render.world.mitsuba_scene import LoadedScene
@@ -37,42 +37,68 @@ def smooth_light(
     seed: int,
     caustics: Float32[np.ndarray, "2 h w"],
     closing: Closing | None,
+    other: SeenLight | None = None,
 ) -> SeenLight:
     """Compute it for all that an imager sees.
 
     caustics: of the projector's and of the lamps' light on what it sees, irradiance over pi [W m^-2 sr^-1]. closing:
-    what the paths leave out.
+    what the paths leave out. other: of another imager at the same moment, from which is taken what that one sees.
     """
-    lamps = light_of_lamps(world, first, sampling, seed)
+    lamps = light_of_lamps(world, first, sampling, seed, other)
     by_others = np.zeros((2, *first.shape), np.float32)
     if sampling.max_depth > 1 or world.source.ambient_radiance > 0:
         wanted = world.reflectances.is_lambertian[first.surface.body]
-        seen = SeenLight(first.seen_surface, caustics[0], caustics[1], by_others[0], complete=False)
+        seen = SeenLight(first.seen_surface, caustics, by_others, by_others[0], complete=False)
 
         def gathered(points: SurfaceMap, stride: int) -> Float32[np.ndarray, "2 p"]:
             widest = stride == sampling.indirect_strides_px[0]
             n = sampling.indirect_directions if widest else sampling.fine_directions
             return _indirect_light(world, first.light, points, n, sampling, seed, seen, closing)
 
+        known = None if other is None else (other.where, other.by_others)
         beside = np.stack([first.dots_unhidden, lamps])
         by_others = interpolated(
-            first.surface, wanted, _grids(sampling.indirect_strides_px, INDIRECT_STEEPEST), gathered, beside
+            first.surface,
+            wanted,
+            _grids(sampling.indirect_strides_px, INDIRECT_STEEPEST),
+            lambda points, stride: _unless_known(known, points, lambda rest: gathered(rest, stride)),
+            beside,
         )
-    return SeenLight(first.seen_surface, by_others[0] + caustics[0], by_others[1] + caustics[1], lamps, complete=True)
+    return SeenLight(first.seen_surface, caustics, by_others, lamps, complete=True)
 
 
 def light_of_lamps(
-    world: LoadedScene, first: FirstSurface, sampling: Sampling, seed: int
+    world: LoadedScene, first: FirstSurface, sampling: Sampling, seed: int, other: SeenLight | None = None
 ) -> Float32[np.ndarray, "h w"]:
-    """Irradiance over pi at every pixel; one map for all scenes of this geometry."""
+    """Irradiance over pi at every pixel; one map for all scenes of this geometry. other: as in `smooth_light`."""
     how = (sampling.lamp_strides_px, sampling.lamp_points, seed)
     if how not in first.lamp_light:
         wanted, beside = first.surface.body < FIRST_LAMP, np.zeros((1, *first.shape), np.float32)
         grids = _grids(sampling.lamp_strides_px, LAMP_STEEPEST)
-        first.lamp_light[how] = interpolated(
-            first.surface, wanted, grids, lambda points, _: _lamp_light(world, points, sampling, seed), beside
-        )[0]
+        known = None if other is None else (other.where, other.lamps[None])
+
+        def lit(points: SurfaceMap, _: int) -> Float32[np.ndarray, "1 p"]:
+            return _unless_known(known, points, lambda rest: _lamp_light(world, rest, sampling, seed))
+
+        first.lamp_light[how] = interpolated(first.surface, wanted, grids, lit, beside)[0]
     return first.lamp_light[how]
+
+
+def _unless_known(
+    known: tuple[SeenSurface, Float32[np.ndarray, "c h w"]] | None,
+    points: SurfaceMap,
+    values_at: Callable[[SurfaceMap], Float32[np.ndarray, "c q"]],
+) -> Float32[np.ndarray, "c p"]:
+    """Values at points: those of a map where its imager sees them, else computed."""
+    if known is None:
+        return values_at(points)
+    where, values = known
+    pixel, seen = where.among(points)
+    found = values.reshape(len(values), -1)[:, pixel]
+    rest = np.flatnonzero(~seen)
+    if len(rest):
+        found[:, rest] = values_at(points.points(rest))
+    return found
 
 
 def _grids(strides: Sequence[int], steepest: float) -> list[tuple[int, float]]:

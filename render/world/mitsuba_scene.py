@@ -6,7 +6,7 @@ and not through the shapes, so that a scene and its matte twin share all that is
 few materials that are no formula of ours (`render.world.reflectances`), when the first path asks for them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -33,6 +33,8 @@ class LoadedScene:
     ambient: Any
     """Radiance of directions that leave the scene, opaque [W m^-2 sr^-1]."""
     source: Scene
+    lamp_photons: dict[tuple[int, int], Any] = field(default_factory=dict)
+    """By number and seed; `render.light.caustics` keeps them here."""
 
     @property
     def scene(self) -> Any:

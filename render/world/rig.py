@@ -74,8 +74,9 @@ CAMERA_MODELS = {
 class Rig:
     """Two rectified imagers and a projector, all looking along +z of the left imager, the depth frame.
 
-    A point at Z-depth Z has disparity f B / Z. Both imagers have the same intrinsics and the rectification is perfect:
-    a real camera's errors of calibration are left out, and so is its colour imager.
+    A point at Z-depth Z has disparity f B / Z. Both imagers have the same intrinsics, and rows meet rows. Of a real
+    camera's errors of calibration there is one, rows out of line, which is put into the right imager's image and not in
+    here (`SensorSettings.row_misalignment_px`); the others are left out, and so is the colour imager.
     """
 
     intrinsics: Intrinsics

@@ -5,7 +5,7 @@ Rays go through pixel centres; a depth AOV would be jittered, averaged and measu
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import no_type_check
+from typing import Any, no_type_check
 
 import numba
 import numpy as np
@@ -97,10 +97,7 @@ def surface_map(world: LoadedScene, intrinsics: Intrinsics, T_world_imager: Rigi
     body = world.body(si)
     hit = si.is_valid()
     normal = dr.select(hit, dr.mulsign(si.sh_frame.n, -dr.dot(si.n, ray.d)), 0)
-    position = dr.select(hit, si.p, 0)
-    dr.eval(body, normal, position)
-    return SurfaceMap(
-        body.numpy().reshape(shape).astype(np.uint8),
-        np.ascontiguousarray(np.array(position).T).reshape(*shape, 3),
-        np.ascontiguousarray(np.array(normal).T).reshape(*shape, 3),
-    )
+    vectors: list[Any] = [dr.ravel(a) for a in (dr.select(hit, si.p, 0), normal)]  # x, y, z of one pixel after another
+    dr.eval(body, vectors)
+    position, normal = (a.numpy().reshape(*shape, 3) for a in vectors)
+    return SurfaceMap(body.numpy().reshape(shape).astype(np.uint8), position, normal)

@@ -1,7 +1,7 @@
 """Columns of turned coupling sleeves, stacked end to end: parts D and E3. In mm, z up.
 
-Read off the published photographs (scale: the plinth's 250 mm), to about 15 %. The lowest foot, dark in the photo of D, is
-as wide as the other feet, there and in that of the half ring: a mirror that shows the black plinth.
+Read off the published photographs (scale: the plinth's 250 mm), to about 15 %. The lowest foot, dark in the photo of D,
+is as wide as the other feet, there and in that of the half ring: a mirror that shows the black plinth.
 """
 
 # pyright: reportMissingImports=false
@@ -24,16 +24,16 @@ _EDGE = 0.4
 
 
 def column(count: int) -> list[Shape]:
-    """So many sleeves, the lowest on z = 0."""
-    sleeve = _sleeve()
-    return [Pos(0, 0, number * _HEIGHT) * sleeve for number in range(count)]
+    """So many sleeves, the lowest on z = 0. All but the uppermost are drawn solid: nobody sees into them."""
+    shut, bored = _sleeve(bored=False), _sleeve(bored=True)
+    return [Pos(0, 0, number * _HEIGHT) * (bored if number == count - 1 else shut) for number in range(count)]
 
 
-def _sleeve() -> Shape:
+def _sleeve(bored: bool) -> Shape:
     """Foot, shoulder with wrench flats, neck, open sleeve; a groove in either cylinder and two inside."""
     neck = _FOOT + _SHOULDER
     cone = neck + _NECK
-    foot = [(_PASSAGE, 0), (_FOOT_RADIUS - _EDGE, 0), (_FOOT_RADIUS, _EDGE)]
+    foot = [(_PASSAGE if bored else 0, 0), (_FOOT_RADIUS - _EDGE, 0), (_FOOT_RADIUS, _EDGE)]
     shoulder = [*_groove(_FOOT_RADIUS, 13.0), (_FOOT_RADIUS, _FOOT), (_NECK_RADIUS, neck), (_NECK_RADIUS, cone)]
     outside = [
         (_SLEEVE_RADIUS, cone + _CONE),
@@ -45,7 +45,8 @@ def _sleeve() -> Shape:
         inside += [(_BORE, _HEIGHT - depth), (_BORE + 1, _HEIGHT - depth - 0.2), (_BORE + 1, _HEIGHT - depth - 1.8)]
         inside += [(_BORE, _HEIGHT - depth - 2.0)]
     inside += [(_BORE, cone + _CONE), (_PASSAGE, cone + _CONE - 2.0)]
-    whole = turned([*foot, *shoulder, *outside, *inside])
+    top = inside if bored else [(_SLEEVE_RADIUS - _EDGE, _HEIGHT), (0, _HEIGHT)]
+    whole = turned([*foot, *shoulder, *outside, *top])
     flats = Plane.XY.offset(_FOOT) * extrude(RegularPolygon(_ACROSS_FLATS / 2, 6, major_radius=False), _SHOULDER)
     ring = Plane.XY.offset(_FOOT) * extrude(RegularPolygon(4 * _FOOT_RADIUS, 4), _SHOULDER) - flats
     return whole - ring

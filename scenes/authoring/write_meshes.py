@@ -20,6 +20,10 @@ from scenes.authoring.part_c import part_c
 from scenes.authoring.part_c1 import part_c1
 from scenes.authoring.part_d import part_d
 from scenes.authoring.part_d1 import part_d1
+from scenes.authoring.part_e1 import part_e1
+from scenes.authoring.part_e2 import part_e2
+from scenes.authoring.part_e3 import part_e3
+from scenes.authoring.part_e4 import part_e4
 from scenes.authoring.tessellation import tessellate
 from scenes.mesh_files import content_hash, write_mesh
 from scenes.primitives import joined
@@ -30,7 +34,8 @@ FOLDER = Path(__file__).parents[1] / "meshes"
 
 def drawn_parts() -> tuple[DrawnPart, ...]:
     """All of them, the paper's first."""
-    return (part_a(), part_b(), part_c(), part_d(), part_a1(), part_b1(), part_c1(), part_d1())
+    papers = (part_a(), part_b(), part_c(), part_d())
+    return (*papers, part_a1(), part_b1(), part_c1(), part_d1(), part_e1(), part_e2(), part_e3(), part_e4())
 
 
 def write_meshes(folder: Path) -> None:

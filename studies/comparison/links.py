@@ -42,7 +42,7 @@ def _of_all_bodies(material: str) -> dict[str, Any]:
     return {"material": (material,)}
 
 
-_ALL_LINKS: dict[str, LinkChange] = {
+LINKS: dict[str, LinkChange] = {
     "roll_0": LinkChange("camera level", sensor={"roll_deg": 0.0}),
     "roll_90": LinkChange("camera on end", sensor={"roll_deg": 90.0}),
     "profile_640x360": LinkChange("stream of 640 x 360", sensor={"profile": "640x360"}),
@@ -52,8 +52,8 @@ _ALL_LINKS: dict[str, LinkChange] = {
     "laser_off": LinkChange("laser off", imager={"laser_power_mw": 0.0}),
     "laser_most": LinkChange("laser at 360 mW", imager={"laser_power_mw": 360.0}),
     "lamps_off": LinkChange("no lamps", {"lamps": "off"}),
-    "lamps_hall": LinkChange("ceiling light alone", {"bench": "paper", "lamps": "hall"}),
-    "plinth_white": LinkChange("white plinth", {"bench": "paper", "plinth": "white"}),
+    "lamps_hall": LinkChange("ceiling light alone", {"lamps": "hall"}),
+    "plinth_white": LinkChange("white plinth", {"plinth": "white"}),
     "bright": LinkChange("all of it bright nickel", _of_all_bodies("nickel:bright")),
     "polished": LinkChange("all of it polished nickel", _of_all_bodies("nickel:polished")),
     "mirror": LinkChange("all of it mirror-finished nickel", _of_all_bodies("nickel:mirror")),
@@ -64,8 +64,7 @@ _ALL_LINKS: dict[str, LinkChange] = {
     "frames_5": LinkChange("five frames a pose", parameters={"n_frames": 5}),
 }
 
-LINKS = {name: link for name, link in _ALL_LINKS.items() if set(link.subject) <= set(ReconstructSettings.model_fields)}
-"""By the names that the comparison's flag takes; those of a bench stand where scenes have one."""
+"""By the names that the comparison's flag takes."""
 
 
 def arm_name(planner: str, link: str) -> str:

@@ -47,10 +47,10 @@ class ComparisonPreset(Preset):
     third of the paper's)."""
     seed: Annotated[int, Field(ge=0)] = 0
     """Root of all randomness."""
-    bench: BenchName = "workshop"
-    """What the parts stand on and in."""
+    bench: BenchName = "paper"
+    """What the parts stand on."""
     lamps: str | None = None
-    """Lamp preset; None = the bench's own."""
+    """Lamp preset, None = the bench's own."""
     sensor: SensorSettings = SensorSettings()
     """The camera."""
     parameters: Parameters = Parameters()

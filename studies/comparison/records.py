@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,7 @@ import pyarrow as pa
 from jaxtyping import Float, Int
 
 from studies.base.case_folder import finished_case
-from studies.run.acquisition_table import MAP_COVERAGE, RAW_COVERAGE, RECOVERY
+from studies.run.acquisition_table import MAP_COVERAGE, RAW_COVERAGE
 from studies.run.batch import RUNS, PlannedRun
 from studies.run.report.timing_figure import SENSING
 from studies.run.stored_run import StoredRun
@@ -21,10 +20,8 @@ FRAME_S = 1.0 / 30.0
 """Time that a real camera takes for a frame [s]: the D435i's default depth rate of 30 Hz (data sheet). Instead of the
 time that it takes to simulate one."""
 
-MAP_COLUMN = "filtered_coverage_5mm"
-"""Column of a run's acquisitions that holds the coverage of the map: all figures of it here come from this column."""
 CONTRIBUTED = "recovery_contribution"
-"""Figure of a run: coverage of the map that recovery views added, view by view [-]."""
+"""What recovery views added to the coverage of the map, of a run's summary [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,12 +52,6 @@ class Record:
     """Of Python and what the planners and the sensor stand on."""
     losses: Mapping[str, float]
     """Sums over the run of what each step of the detection and recovery kept."""
-
-    @cached_property
-    def figures(self) -> dict[str, Any]:
-        """The summary, and what the map says of the same run."""
-        _, recovered = self.increments(RECOVERY)
-        return {**self.summary, MAP_COVERAGE: float(self.coverage[-1]), CONTRIBUTED: float(recovered.sum())}
 
     def by_iteration(self, values: Float[np.ndarray, "k"]) -> Float[np.ndarray, "i"]:
         """The values after each NBV iteration with its recoveries; index 0 is the first view."""
@@ -108,7 +99,7 @@ def _record(planned: PlannedRun, stored: StoredRun) -> Record:
         run=planned.run,
         case=planned.digest,
         summary=stored.run["summary"],
-        coverage=np.array([row[MAP_COLUMN] for row in rows]),
+        coverage=np.array([row[MAP_COVERAGE] for row in rows]),
         raw=np.array([row[RAW_COVERAGE] for row in rows]),
         kinds=tuple(row["kind"] for row in rows),
         iterations=np.array([row["iteration"] for row in rows]),
@@ -180,7 +171,7 @@ def table_row(record: Record) -> dict[str, Any]:
     known = [seconds for seconds in times.values() if seconds is not None]
     return {
         **{name: getattr(record, name) for name in ("part", "arm", "run", "case", "processor_s")},
-        **{name: record.figures[name] for name in (*SUMMARY_COLUMNS, *COUNTS, "stop")},
+        **{name: record.summary[name] for name in (*SUMMARY_COLUMNS, *COUNTS, "stop")},
         "planning_s": times["planning"],
         "motion_s": times["motion"],
         "iteration_s": sum(known) if known else None,

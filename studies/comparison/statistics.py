@@ -6,7 +6,8 @@ from typing import Literal, get_args
 import numpy as np
 from jaxtyping import Float
 
-from studies.comparison.records import CONTRIBUTED, MAP_COVERAGE, RAW_COVERAGE, Record
+from studies.comparison.records import CONTRIBUTED, Record
+from studies.run.acquisition_table import MAP_COVERAGE, RAW_COVERAGE
 from studies.statistics.boxes import TukeyBox, box_of
 from studies.statistics.intervals import (
     Difference,
@@ -68,7 +69,7 @@ class Comparison:
 
     def values(self, part: str, arm: str, name: str) -> list[float]:
         """One of FIGURES of each run that has it."""
-        values = [record.figures[name] for record in self.runs(part, arm)]
+        values = [record.summary[name] for record in self.runs(part, arm)]
         return [value for value in values if value is not None]
 
     def figure(self, part: str, arm: str, name: str) -> Interval | None:
@@ -90,7 +91,7 @@ class Comparison:
         """A figure made of the arms' median coverages, over the starts that all of them have; None without any."""
         found = [self._by_arm.get((part, arm), {}) for arm in arms]
         starts = sorted(set.intersection(*(set(runs) for runs in found)))
-        ends = np.array([[runs[start].figures[MAP_COVERAGE] for runs in found] for start in starts])
+        ends = np.array([[runs[start].summary[MAP_COVERAGE] for runs in found] for start in starts])
         return interval_of_medians(ends, figure) if starts else None
 
     def difference(self, part: str, ours: str, theirs: str, at: At = "end", cloud: Cloud = "map") -> Difference | None:
@@ -100,7 +101,7 @@ class Comparison:
 
     def figure_difference(self, part: str, ours: str, theirs: str, name: str) -> Difference | None:
         """One of FIGURES, ours less theirs, over the pairs that have it."""
-        pairs = [(a.figures[name], b.figures[name]) for a, b in self.pairs(part, ours, theirs)]
+        pairs = [(a.summary[name], b.summary[name]) for a, b in self.pairs(part, ours, theirs)]
         known = [pair for pair in pairs if None not in pair]
         return paired_difference(*zip(*known, strict=True)) if known else None
 

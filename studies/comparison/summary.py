@@ -9,8 +9,9 @@ from studies.comparison.paper import PAPER_PARTS
 from studies.comparison.paper_results import paper_findings
 from studies.comparison.paper_verdicts import verdict_words
 from studies.comparison.planning_speed import SPEED_JOB
-from studies.comparison.records import CONTRIBUTED, MAP_COVERAGE
+from studies.comparison.records import CONTRIBUTED
 from studies.comparison.statistics import Comparison
+from studies.run.acquisition_table import MAP_COVERAGE
 from studies.statistics.intervals import Interval
 from studies.statistics.medians import MedianEstimate
 from studies.work.workers import Failure

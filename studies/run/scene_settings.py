@@ -30,8 +30,8 @@ class SubjectSettings(Config):
     """Shared by every command that looks at a part."""
 
     part: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
-    """Part A, B, C or D of the paper, A1, B1, C1 or D1 of an earlier set; or a coupon: plate, ball,
-    upright_cylinder, lying_cylinder, inside_corner."""
+    """Part A, B, C or D of the paper, E1 to E4 of its pictures, A1, B1, C1 or D1 of an earlier set; or a coupon: plate,
+    ball, upright_cylinder, lying_cylinder, inside_corner."""
     mesh: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """CAD file instead of a part: STL, PLY, OBJ, GLB, or STEP with the extra `step`."""
     units: Annotated[str | None, tyro.conf.arg(metavar="mm|cm|m|in")] = None
@@ -90,10 +90,13 @@ def on_bench(settings: AnySubject) -> AnySubject:
         plinth = plinth or "black"
     elif plinth:
         raise InputError(f"plinth {plinth}: the {bench}'s table has no plinth; leave it out, or add --bench paper")
-    if sensor.roll_deg is None:
-        sensor = sensor.model_copy(update={"roll_deg": BENCH_ROLL_DEG[bench]})
     lamps = settings.lamps or BENCHES[bench].lamps
-    return settings.model_copy(update={"plinth": plinth, "lamps": lamps, "sensor": sensor})
+    return settings.model_copy(update={"plinth": plinth, "lamps": lamps, "sensor": _turned(sensor, bench)})
+
+
+def _turned(sensor: SensorSettings, bench: BenchName) -> SensorSettings:
+    """The camera turned in its mount as the bench has it, unless that is said."""
+    return sensor if sensor.roll_deg is not None else sensor.model_copy(update={"roll_deg": BENCH_ROLL_DEG[bench]})
 
 
 def build_subject(settings: SubjectSettings) -> Subject:
@@ -141,8 +144,10 @@ def mounted(parameters: Parameters, sensor: SensorSettings) -> Parameters:
 
 
 def with_sensor_resolved(settings: AnyModel) -> AnyModel:
-    """Settings or a study's preset with the content of the sensor's preset file in place of its path."""
+    """Settings or a study's preset with the content of the sensor's preset file in place of its path, and the mount's
+    turn as a number: the bench's where the settings have one."""
     sensor: Any = getattr(settings, "sensor")  # noqa: B009 (of models that have one)
+    sensor = _turned(sensor, getattr(settings, "bench", "workshop"))
     return settings.model_copy(update={"sensor": sensor.resolved()})
 
 

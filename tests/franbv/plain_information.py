@@ -8,7 +8,8 @@ import numpy as np
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
-from franbv.voxel_map import VoxelMap
+from franbv.volumetric_information import MEETING
+from franbv.voxel_map import UNDECIDED, VoxelMap
 
 
 def plain_information(
@@ -64,6 +65,11 @@ def ray_gain(log_odds: list[float], gain: str) -> float:
             if behind and value == 0.0:
                 return 1.0
             behind = value > 0.0
+        elif gain == "observable":
+            if value > 0.0:
+                return sum_
+            if value > -UNDECIDED:
+                sum_, reaches = sum_ + reaches * log(2.0), reaches * (1.0 - MEETING)
         elif gain == "entropy":
             sum_ += entropy
             if value > 0.0:

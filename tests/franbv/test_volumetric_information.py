@@ -1,5 +1,7 @@
 """The ray-cast entropy baseline: against rays followed in plain Python, and against closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
@@ -9,7 +11,7 @@ from franbv.geometry.oriented_box import axis_aligned_box
 from franbv.parameters import Parameters
 from franbv.planners import random_views, ray_entropy
 from franbv.reconstruction import reconstruct
-from franbv.volumetric_information import GAINS, view_information
+from franbv.volumetric_information import GAINS, MEETING, view_information
 from franbv.voxel_map import VoxelMap
 from tests.franbv.plain_information import plain_information
 
@@ -85,7 +87,7 @@ def test_ray_along_an_axis_in_a_uniform_map(axis, length, backwards):
     eye = np.array([0.001, 0.002, 0.034]) - direction
     pose = RigidTransform.from_components(eye, Rotation.align_vectors([direction], [[0.0, 0.0, 1.0]])[0])
     pose = RigidTransform.from_components(eye, Rotation.from_matrix(np.round(pose.rotation.as_matrix())))
-    found = view_information(grid(np.full((12, 10, 8), log_odds)), ONE_RAY, [pose])
+    found = view_information(grid(np.full((12, 10, 8), log_odds)), ONE_RAY, [pose], "occlusion_aware")
     np.testing.assert_allclose(found, entropy * (1 - (1 - p) ** length) / p, rtol=1e-6)  # log-odds are float32
 
 
@@ -103,6 +105,7 @@ def test_gains_on_a_worked_ray():
     h = -p * np.log(p) - (1 - p) * np.log(1 - p)
     reach = np.cumprod([1.0, *(1 - p[:-1])])
     expected = {
+        "observable": np.log(2),
         "occlusion_aware": np.sum(h * reach),
         "unobserved": np.log(2) * (reach[1] + reach[3] + reach[4]),
         "entropy": h[:3].sum(),
@@ -119,14 +122,40 @@ def test_free_space_promises_more_than_the_unknown():
     p = 0.12
     free, unknown = np.full((400, 1, 1), np.log(p / (1 - p))), np.zeros((400, 1, 1))
     pose = look_at(np.array([-9.0, -0.04, 0.0]), np.array([1.0, -0.04, 0.0]))
-    found = [view_information(grid(values), ONE_RAY, [pose])[0] for values in (free, unknown)]
+    found = [view_information(grid(values), ONE_RAY, [pose], "occlusion_aware")[0] for values in (free, unknown)]
     entropy = -p * np.log(p) - (1 - p) * np.log(1 - p)
     np.testing.assert_allclose(found, [entropy / p, 2 * np.log(2)], rtol=1e-6)
 
 
+def test_rays_look_through_free_space_and_into_the_unknown_as_deep_as_they_may():
+    """Observable: free voxels cost and bring nothing, however many; of unknown ones each keeps the same share, so that
+    a long row of them is worth ln 2 over that share; behind a surface nothing is worth anything."""
+    free, hit = np.log(0.12 / 0.88), np.log(0.97 / 0.03)
+    pose = look_at(np.array([-9.0, -0.04, 0.0]), np.array([1.0, -0.04, 0.0]))
+
+    def row(*values: float) -> float:
+        return view_information(grid(np.array(values).reshape(-1, 1, 1)), ONE_RAY, [pose])[0]
+
+    assert row(*[free] * 30, 0.0, hit, 0.0) == pytest.approx(np.log(2))
+    assert row(0.0, hit, 0.0) == pytest.approx(np.log(2))
+    assert row(0.0, *[free] * 5, 0.0) == pytest.approx(np.log(2) * (2 - MEETING))
+    assert row(*[0.0] * 400) == pytest.approx(np.log(2) / MEETING, rel=1e-6)
+    assert row(hit, 0.0, 0.0) == row(free, free) == 0.0
+
+
+def test_a_voxel_whose_hits_and_misses_cancel_is_as_unknown_as_an_untouched_one():
+    """To the observable gain; what tells them apart for other gains does not make it free."""
+    untouched = grid(np.zeros((6, 1, 1)))
+    pose = look_at(np.array([-9.0, -0.04, 0.0]), np.array([1.0, -0.04, 0.0]))
+    cancelled = replace(untouched, cancelled=np.ones((6, 1, 1), bool))
+    found = [view_information(known, ONE_RAY, [pose])[0] for known in (untouched, cancelled)]
+    assert found[0] == pytest.approx(found[1])
+    assert found[0] == pytest.approx(np.log(2) * (1 - (1 - MEETING) ** 6) / MEETING)
+
+
 def test_unknown_gain_is_refused():
     """The message lists those that there are."""
-    with pytest.raises(ValueError, match="choose occlusion_aware, unobserved"):
+    with pytest.raises(ValueError, match="choose observable, occlusion_aware"):
         view_information(random_grid(0), SENSOR, poses_around(), "curiosity")  # type: ignore[arg-type]
 
 

@@ -99,3 +99,20 @@ def test_what_is_seen_follows_pose_and_materials():
     assert twin.seen(facing_x()) is not seen
     np.testing.assert_allclose(twin.seen(facing_x())[0].inverse_depth, seen[0].inverse_depth)
     np.testing.assert_allclose(seen[1].inverse_depth, 1 / 0.3, rtol=1e-5)
+
+
+@pytest.mark.parametrize("before", [None, BandPass(width_nm=400.0)])
+def test_a_filter_may_be_changed(before):
+    """A camera changed to another filter, or to its first one, measures what a new one with that filter does."""
+    lamp = lamp_at([-1.0, 0.0, 1.0], [0.4, 0, 0], 0.4, 1.0)
+    lit = replace(wall(0.4, in_two_bands(), (lamp,)), lamp_band=Band.WHITE_LED)
+    first, narrow = (DARK_ENOUGH.model_copy(update={"band_pass": one}) for one in (before, BandPass()))
+
+    def camera(imager: ImagerSettings) -> SimulatedD435i:
+        return SimulatedD435i(lit, SensorSettings(crop=None, auto_exposure=False, imager=imager), 1)
+
+    changed, new = camera(first).changed(imager=narrow), camera(narrow)
+    there, back = (c.measure(facing_x(), 1).lefts for c in (changed, changed.changed(imager=first)))
+    np.testing.assert_array_equal(there, new.measure(facing_x(), 1).lefts)
+    np.testing.assert_array_equal(back, camera(first).measure(facing_x(), 1).lefts)
+    assert there.mean() < back.mean()

@@ -6,7 +6,16 @@ import pytest
 from materials.input_error import InputError
 from scenes.mesh_files import content_hash
 from scenes.part_materials import PartMaterials, part_materials, with_part_materials
-from scenes.parts import ALL_PARTS, EARLIER_PARTS, MESH_FOLDER, PART_NAMES, manifest, part_bodies, part_description
+from scenes.parts import (
+    ALL_PARTS,
+    EARLIER_PARTS,
+    EXTRA_PARTS,
+    MESH_FOLDER,
+    PART_NAMES,
+    manifest,
+    part_bodies,
+    part_description,
+)
 from scenes.scene import Body
 from scenes.topology import open_edge_count, signed_volume
 from tests.scenes.tangents import centres, u_directions, unit_normals
@@ -133,7 +142,9 @@ def test_parts_are_made_of_the_real_things_materials():
 
 def test_unknown_part_is_named():
     """One line with thing and mend."""
-    with pytest.raises(InputError, match=r"^part E: there is none; choose A, B, C, D, A1, B1, C1 or D1$"):
+    with pytest.raises(
+        InputError, match=r"^part E: there is none; choose A, B, C, D, A1, B1, C1, D1, E1, E2, E3 or E4$"
+    ):
         part_bodies("E")
 
 
@@ -244,6 +255,26 @@ def test_the_papers_objects_are_made_of_what_the_photographs_show():
 
 
 def test_names_of_parts_are_distinct():
-    """The paper's, then the earlier set with a 1 behind each name."""
+    """No name is given twice; the earlier set has a 1 behind each of the paper's."""
     assert len(set(ALL_PARTS)) == len(ALL_PARTS)
     assert tuple(f"{name}1" for name in PART_NAMES) == EARLIER_PARTS
+
+
+def test_half_ring_holds_nine_columns_that_do_not_touch():
+    """E3: nine columns on a circle of 80 mm, 23 deg apart, so 2 x 80 sin(11.5 deg) = 31.9 mm from axis to axis; each is
+    31 mm wide. Seen from above, the open ends are nine rings."""
+    points = 1000 * np.concatenate([body.mesh.vertices for body in part_bodies("E3")])
+    rims = points[points[:, 2] > 189 - 1e-3][:, :2]
+    axes = np.array([80 * np.array([np.sin(a), np.cos(a)]) for a in np.deg2rad(23 * np.arange(-4, 5))])
+    axes += (rims.min(axis=0) + rims.max(axis=0)) / 2 - (axes.min(axis=0) + axes.max(axis=0)) / 2
+    distance = np.linalg.norm(rims[:, None] - axes, axis=2)
+    np.testing.assert_allclose(distance.min(axis=1), np.where(distance.min(axis=1) > 14, 15.1, 12.9), atol=0.05)
+    assert len(np.unique(distance.argmin(axis=1))) == 9
+
+
+@pytest.mark.parametrize("part", EXTRA_PARTS)
+def test_things_for_pictures_fit_the_mapped_box(part):
+    """Inside 0.5 x 0.5 x 0.3 m with the plinth's 45 mm below it, 16 to 25 cm along the longest side."""
+    size = np.array(manifest()["parts"][part]["size"])
+    assert 0.16 <= size.max() <= 0.25
+    assert size[2] + 0.045 < 0.3

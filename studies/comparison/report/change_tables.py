@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from studies.comparison.links import LINKED_PLANNERS, LINKS, arm_name
-from studies.comparison.records import CONTRIBUTED, MAP_COVERAGE, RAW_COVERAGE
+from studies.comparison.records import CONTRIBUTED
 from studies.comparison.statistics import Comparison
 from studies.drawing.cells import POINTS, mean, signed
 from studies.run.ablation import ABLATIONS
+from studies.run.acquisition_table import MAP_COVERAGE, RAW_COVERAGE
 
 
 def ablation_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[str, Any]]:

@@ -5,11 +5,11 @@ from typing import Any
 
 from studies.comparison.goals import MET, NOT_MET, Estimates, JudgedGoal
 from studies.comparison.paper import ACTIVATIONS, CONTRIBUTION, FINAL_COVERAGE, INCREMENTS, paper_lead
-from studies.comparison.records import CONTRIBUTED, RAW_COVERAGE
+from studies.comparison.records import CONTRIBUTED
 from studies.comparison.statistics import Comparison
 from studies.comparison.view_increments import FEWEST_VIEWS, binned_increments
 from studies.drawing.cells import NO_NUMBER, POINTS, median_and_range, signs
-from studies.run.acquisition_table import NBV, RECOVERY
+from studies.run.acquisition_table import NBV, RAW_COVERAGE, RECOVERY
 from studies.statistics.boxes import TukeyBox, box_of
 from studies.statistics.medians import MedianEstimate, first_less_second
 

@@ -14,10 +14,10 @@ from studies.base.numbers_as_text import counted, percent
 from studies.comparison.links import LINKED_PLANNERS, LINKS, arm_name
 from studies.comparison.paper import PAPER_PARTS, paper_lead
 from studies.comparison.paper_results import points
-from studies.comparison.records import MAP_COVERAGE, RAW_COVERAGE
 from studies.comparison.statistics import Comparison
 from studies.drawing.cells import signs
 from studies.run.ablation import ABLATIONS
+from studies.run.acquisition_table import MAP_COVERAGE, RAW_COVERAGE
 from studies.statistics.intervals import LEVEL, Difference, least_p
 
 

@@ -7,9 +7,10 @@ import numpy as np
 
 from studies.comparison.paper import ITERATION_S, paper_ratio
 from studies.comparison.paper_verdicts import adjusted_p
-from studies.comparison.records import CONTRIBUTED, MAP_COVERAGE, RAW_COVERAGE
+from studies.comparison.records import CONTRIBUTED
 from studies.comparison.statistics import ATS, CLOUDS, Comparison
 from studies.drawing.cells import NO_NUMBER, POINTS, mean, mean_and_range, probability, seconds, signed, with_range
+from studies.run.acquisition_table import MAP_COVERAGE, RAW_COVERAGE
 
 ARM_CELLS = {
     "coverage": (mean_and_range, MAP_COVERAGE, POINTS, ".1f"),

@@ -62,7 +62,7 @@ def test_bad_flags_and_bad_parts(capsys: pytest.CaptureFixture[str], tmp_path: P
     out = str(tmp_path / "out")
     cases = {
         ("--out", out): "give either --part A, B, C, D or another, or --mesh",
-        ("--out", out, "--part", "E"): "part E: there is none; choose A, B, C, D, A1, B1, C1, D1",
+        ("--out", out, "--part", "E"): "part E: there is none; choose A, B, C, D, A1, B1, C1, D1, E1",
         ("--out", out, "--part", "A", "--mesh", "x.stl"): "give either",
         ("--part", "A"): "--out",
         ("--out", out, "--part", "A", "--prat", "B"): "--prat",

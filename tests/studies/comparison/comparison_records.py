@@ -31,6 +31,8 @@ def made_record(
     recovered = sum(step for step, kind in zip(increments, kinds, strict=True) if kind == "r")
     cloud = raw or coverage
     summary = {
+        "coverage_map_5mm": coverage[-1],
+        "recovery_contribution": recovered,
         "coverage_5mm": cloud[-1],
         "filtered_coverage_5mm": coverage[-1],
         "accuracy_mm": 2.0,

@@ -86,13 +86,15 @@ def test_each_ablation_is_run_from_the_starts_of_the_whole_method():
 
 
 DIFFERS = {
-    "roll_90": {"sensor.roll_deg", "parameters.roll_deg"},
+    "roll_0": {"sensor.roll_deg", "parameters.roll_deg"},
     "profile_640x480": {"sensor.profile"},
     "high_accuracy": {"sensor.preset"},
     "high_density": {"sensor.preset"},
     "laser_off": {"sensor.imager.laser_power_mw"},
     "laser_most": {"sensor.imager.laser_power_mw"},
     "lamps_off": {"lamps"},
+    "lamps_hall": {"lamps"},
+    "plinth_white": {"plinth"},
     "bright": {"material"},
     "polished": {"material"},
     "mirror": {"material"},
@@ -103,7 +105,7 @@ DIFFERS = {
     "frames_5": {"parameters.n_frames"},
 }
 """What each link is meant to change, by the keys of a run's configuration."""
-STANDS_THERE = {"roll_0", "profile_640x360"}
+STANDS_THERE = {"roll_90", "profile_640x360"}
 """Links that change nothing of the paper preset."""
 
 
@@ -137,14 +139,14 @@ def test_every_link_is_checked():
 
 
 def test_a_link_at_which_the_study_stands_is_not_run():
-    """Nothing would be compared with itself; from a camera on end the level one is the change."""
+    """Nothing would be compared with itself; from a level camera the one on end is the change."""
     assert not any("," in run.arm for run in linked(*STANDS_THERE))
-    on_end = ComparisonPreset.named("paper").model_copy(
-        update={"sensor": SensorSettings(roll_deg=90.0), "links": ("roll_0", "roll_90")}
+    level = ComparisonPreset.named("paper").model_copy(
+        update={"sensor": SensorSettings(roll_deg=0.0), "links": ("roll_0", "roll_90")}
     )
-    changed = [run for run in planned_runs(on_end) if "," in run.arm]
-    assert {run.arm for run in changed} == {"fra, roll_0", "pb, roll_0"}
-    assert {(run.config.sensor.roll_deg, run.config.parameters.roll_deg) for run in changed} == {(0.0, 0.0)}
+    changed = [run for run in planned_runs(level) if "," in run.arm]
+    assert {run.arm for run in changed} == {"fra, roll_90", "pb, roll_90"}
+    assert {(run.config.sensor.roll_deg, run.config.parameters.roll_deg) for run in changed} == {(90.0, 90.0)}
 
 
 @pytest.mark.parametrize(
@@ -258,8 +260,8 @@ def test_finer_sensor_has_the_same_field_of_view(study: tuple[Path, ComparisonPr
 
 
 def test_voxels_are_counted_in_the_workspace():
-    """0.48 x 0.48 x 0.375 m in 64^3 voxels: (0.0864 m^3)^(1/3) / 64 = 6.91 mm."""
-    assert with_voxels(Parameters(), 64).voxel_size == pytest.approx(0.0864 ** (1 / 3) / 64)
+    """0.495 x 0.495 x 0.315 m in 64^3 voxels: (0.0772 m^3)^(1/3) / 64 = 6.65 mm."""
+    assert with_voxels(Parameters(), 64).voxel_size == pytest.approx((0.495 * 0.495 * 0.315) ** (1 / 3) / 64)
 
 
 def whole_page() -> str:

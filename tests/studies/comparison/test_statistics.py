@@ -168,9 +168,9 @@ def test_cells_have_their_interval_below_and_real_minus_signs():
 def test_what_recovery_brought_is_told_view_by_view_and_may_be_negative():
     """Recovery views of +0.1, -0.05 and +0.02 on the map, 0.07 in all, whatever the raw cloud gained; last -0.2."""
     gaining = made_record(coverage=(0.3, 0.4, 0.35, 0.5, 0.52), kinds="frrnr", raw=(0.4, 0.6, 0.7, 0.8, 0.9))
-    assert gaining.figures["recovery_contribution"] == pytest.approx(0.07)
-    assert gaining.figures["coverage_map_5mm"] == 0.52
-    assert gaining.figures["coverage_5mm"] == 0.9
+    before, brought = gaining.increments("recovery")
+    assert before == pytest.approx([0.3, 0.4, 0.5])
+    assert brought == pytest.approx([0.1, -0.05, 0.02]), "those of the map"
     losing = made_record(run=1, coverage=(0.5, 0.3, 0.4), kinds="frn")
     found = Comparison([gaining, losing]).median("D", "fra", "recovery_contribution")
     assert found is not None

@@ -7,11 +7,12 @@ from scipy.spatial.transform import RigidTransform
 from materials.catalog import material
 from render.world.mitsuba_scene import load_scene
 from render.world.visibility import LOWEST_ELEVATION, seen_from_above, upper_directions
-from scenes.build import coupon_scene
+from scenes.build import coupon_scene, part_scene
+from scenes.parts import ALL_PARTS
 from scenes.primitives import box, joined, moved
 from scenes.reference_points import reference_points
 from scenes.scene import Body, Scene
-from studies.run.reference import N_REFERENCE, reference_surface
+from studies.run.reference import N_DRAWN, N_REFERENCE, reference_surface
 
 MATTE = material("matte_paint")
 
@@ -90,3 +91,21 @@ def test_what_stands_on_no_face_has_hardly_a_base():
     reference = reference_surface(scene, lambda points, normals: normals[:, 2] > -0.5)
     expected = N_REFERENCE * (0.01 / 2) / 0.75
     assert len(reference.base) == pytest.approx(expected, abs=4 * np.sqrt(expected))
+
+
+def test_all_of_the_satin_block_but_its_foot_is_seen():
+    """Part A, 100 x 40 x 160 mm, hides its base alone: 4000 of 52,800 mm^2 (chamfers of 0.3 mm change that by 0.1 %),
+    within four standard deviations of a binomial draw."""
+    n = 10_000
+    scene = part_scene("A", room=False)
+    hidden = 1 - _visible(scene)(*reference_points(scene, n)).mean()
+    base = 100 * 40 / (2 * (100 * 40 + 100 * 160 + 40 * 160))
+    assert hidden == pytest.approx(base, abs=4 * np.sqrt(base * (1 - base) / n) + 1e-3)
+
+
+@pytest.mark.parametrize("part", ALL_PARTS)
+def test_enough_of_every_part_is_seen(part):
+    """The first draw of points must do: at least N_REFERENCE of N_DRAWN are in sight, or coverages would be coarser."""
+    scene = part_scene(part, room=False)
+    points, normals = reference_points(scene, 4000)
+    assert _visible(scene)(points, normals).mean() > N_REFERENCE / N_DRAWN
