@@ -11,7 +11,11 @@ from studies.base.console import say, say_json
 from studies.base.flags import parse
 from studies.run.stored_run import stored_runs
 
-STUDIES = {"comparison.json": "studies.comparison.command", "study.json": "studies.sensitivity.report.page"}
+STUDIES = {
+    "comparison.json": "studies.comparison.command",
+    "readings.json": "studies.readings.command",
+    "study.json": "studies.sensitivity.report.page",
+}
 """File that a study's folder is known by -> module with `rebuild(folder) -> report`."""
 STARTS_FILE, STARTS_MODULE = "starts.json", "studies.run.starts.page"
 """The same of a folder of starts, which are reconstructions with reports of their own."""
@@ -39,9 +43,9 @@ def run(args: list[str]) -> int:
 
 
 def _rebuilt_reports(folder: Path) -> list[Path]:
-    for name, module in STUDIES.items():
-        if (folder / name).is_file():
-            return [importlib.import_module(module).rebuild(folder)]
+    studies = [module for name, module in STUDIES.items() if (folder / name).is_file()]
+    if studies:  # a comparison may stand in the folder of the readings that it confirms
+        return [importlib.import_module(module).rebuild(folder) for module in studies]
     cases = stored_runs(folder)
     from studies.run.report.page import write_report
 

@@ -26,7 +26,7 @@ from studies.work.study_clock import StudyClock
 _PROGRAM = "franbv study readings"
 _HELP = "Try what the paper's text leaves open, sixteen readings of it, and say which come near its table."
 READINGS = "readings.json"
-"""The resolved preset, in the output folder. Other names than a comparison's, which may stand in the same folder."""
+"""The resolved preset, in the output folder."""
 READINGS_FORMAT = 1
 """Of that file; it rises when runs come to go by other names."""
 

@@ -53,7 +53,7 @@ DECISIONS: tuple[Decision, ...] = (
         "at the nearest ellipsoid of the frontier",
         ({"located_on": "first_frontier"}, {"located_on": "nearest_frontier"}),
         True,
-        "V-A, after eq. (10): first intersection of all, yet \u201conly points on frontier ellipsoids\u201d",
+        "V-A, after eq. (10): first intersection of all, yet \u201conly points lying on frontier ellipsoids\u201d",
     ),
     Decision(
         "cluster",
@@ -80,7 +80,7 @@ DECISIONS: tuple[Decision, ...] = (
         "recoveries_in_turn",
         "How many recoveries may one view set off?",
         "one",
-        "up to three, the last view of each searched as well",
+        "up to three in turn",
         ({"recoveries_in_turn": 1}, {"recoveries_in_turn": 3}),
         True,
         "VI: \u201cwhenever it is activated\u201d",
@@ -101,7 +101,7 @@ DECISIONS: tuple[Decision, ...] = (
         "occupied",
         ({"silhouette_of": "all"}, {"silhouette_of": "occupied"}),
         True,
-        "V-A: both in the text, of which those of the frontier \u201coverestimate the object extent\u201d",
+        "V-A: both in the text, though only the occupied ones are known to be object",
     ),
     Decision(
         "miss_probability",

@@ -1,4 +1,4 @@
-"""What the finished runs of a study of readings say: table, summary and page, made anew from the cases' folders."""
+"""What the finished runs of a study of readings say: table, summary, candidates and page, made anew from its folder."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -7,16 +7,21 @@ from typing import Any
 
 from studies.base.atomic_file import write_atomically
 from studies.base.console import strict_json
-from studies.base.numbers_as_text import counted
 from studies.comparison.records import RUN_COLUMNS, read_records, table_row
+from studies.comparison.statistics import Comparison
+from studies.readings.analysis import analysed
+from studies.readings.candidates import CANDIDATES, candidates_of, preset_file, write_confirmations
 from studies.readings.preset import ReadingsPreset
+from studies.readings.report.page import readings_html
+from studies.readings.summary import readings_json, readings_words
 from studies.run.batch import PlannedRun
 from studies.store.tables import write_rows
 from studies.work.workers import Failure
 
 READING_RUNS, READINGS_SUMMARY, READINGS_PAGE = "readings_runs.parquet", "readings_summary.json", "readings.html"
-"""The table of runs, the summary and the page, in the output folder."""
-WRITTEN_BESIDE = (READING_RUNS, READINGS_SUMMARY, READINGS_PAGE)
+"""The table of runs, the summary and the page, in the output folder. Other names than a comparison's, which may stand
+in the same folder."""
+WRITTEN_BESIDE = (READING_RUNS, READINGS_SUMMARY, READINGS_PAGE, *map(preset_file, CANDIDATES))
 """What stands there beside the runs."""
 
 
@@ -32,11 +37,16 @@ class ToldReadings:
 def evaluate_readings(
     out: Path, preset: ReadingsPreset, runs: Sequence[PlannedRun], failures: Sequence[Failure], wall_s: float
 ) -> ToldReadings:
-    """Write table, summary and page of the runs that are finished."""
+    """Write all of it for the runs that are finished; candidates once every cell has all its figures."""
     records = read_records(out, runs)
     write_rows(out / READING_RUNS, RUN_COLUMNS, map(table_row, records))
-    summary: dict[str, Any] = {"runs": len(records), "planned": len(runs), "failed": len(failures), "wall_s": wall_s}
+    analysis = analysed(Comparison(records), preset.parts, preset.starts)
+    candidates = candidates_of(analysis)
+    write_confirmations(out, preset, candidates)
+    told = readings_words(analysis, candidates, len(records), len(runs), len(failures))
+    counts = {"runs": len(records), "planned": len(runs), "failed": len(failures), "wall_s": wall_s}
+    summary: dict[str, Any] = {**counts, **readings_json(preset, analysis, candidates)}
     stored = {**summary, "failures": [asdict(failure) for failure in failures]}
     write_atomically(out / READINGS_SUMMARY, strict_json(stored, indent=1).encode())
-    words = f"{counted(len(records), 'run')} of {len(runs)}; {counted(len(failures), 'run')} failed"
-    return ToldReadings(summary, words, out / READINGS_SUMMARY)
+    write_atomically(out / READINGS_PAGE, readings_html(preset, analysis, candidates, told, failures).encode())
+    return ToldReadings(summary, told, out / READINGS_PAGE)
