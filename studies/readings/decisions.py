@@ -1,7 +1,6 @@
 """Decisions that the FRA-NBV paper leaves open, two levels each: readings of its text, never a number of the bench.
 
-The first level is that of `franbv.parameters`; DESIGN notes and the authors' predecessor code (PB-NBV) gave most of the
-second ones. Nothing here changes a material, a lamp or the sensor.
+The first level is that of `franbv.parameters`. Nothing here changes a material, a lamp or the sensor.
 """
 
 from collections.abc import Mapping
