@@ -145,7 +145,7 @@ def _of_starts(comparison: Comparison, cell: DesignCell, response: Response) -> 
 
 
 def _figure(run: Record, name: str) -> float:
-    return float(run.figures[name])
+    return float(run.summary[name])
 
 
 def _distances(figures: Float[np.ndarray, "cells starts figures"], parts: Sequence[str]) -> np.ndarray:

@@ -14,7 +14,7 @@ from studies.readings.analysis import Analysis, Response
 from studies.readings.decisions import DECIDED_FIELDS
 from studies.readings.preset import ReadingsPreset
 
-CANDIDATES = {
+PROPOSED = {
     "default": "the method as it comes",
     "best": "predicted to come nearest: each decision at its second level whose effect on the distance says so",
     "measured": "the cell that came nearest",
@@ -29,7 +29,7 @@ class Candidate:
     """One reading to be confirmed."""
 
     name: str
-    """Of CANDIDATES."""
+    """Of PROPOSED."""
     second: frozenset[str]
     """Decisions at their second level."""
     cell: int | None
@@ -78,7 +78,7 @@ def write_confirmations(out: Path, preset: ReadingsPreset, candidates: list[Cand
     """Put down the comparison of each candidate, for `franbv study comparison --preset FILE`."""
     for candidate in candidates:
         text = (
-            f"# Reading \u201c{candidate.name}\u201d: {CANDIDATES[candidate.name]}.\n"
+            f"# Reading \u201c{candidate.name}\u201d: {PROPOSED[candidate.name]}.\n"
             f"# Second level: {', '.join(sorted(candidate.second)) or 'none'}.\n"
             + yaml.safe_dump(preset_keys(confirmation(preset, candidate)), sort_keys=False, allow_unicode=True)
         )

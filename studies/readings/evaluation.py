@@ -10,7 +10,7 @@ from studies.base.console import strict_json
 from studies.comparison.records import RUN_COLUMNS, read_records, table_row
 from studies.comparison.statistics import Comparison
 from studies.readings.analysis import analysed
-from studies.readings.candidates import CANDIDATES, candidates_of, preset_file, write_confirmations
+from studies.readings.candidates import PROPOSED, candidates_of, preset_file, write_confirmations
 from studies.readings.preset import ReadingsPreset
 from studies.readings.report.page import readings_html
 from studies.readings.summary import readings_json, readings_words
@@ -21,7 +21,7 @@ from studies.work.workers import Failure
 READING_RUNS, READINGS_SUMMARY, READINGS_PAGE = "readings_runs.parquet", "readings_summary.json", "readings.html"
 """The table of runs, the summary and the page, in the output folder. Other names than a comparison's, which may stand
 in the same folder."""
-WRITTEN_BESIDE = (READING_RUNS, READINGS_SUMMARY, READINGS_PAGE, *map(preset_file, CANDIDATES))
+WRITTEN_BESIDE = (READING_RUNS, READINGS_SUMMARY, READINGS_PAGE, *map(preset_file, PROPOSED))
 """What stands there beside the runs."""
 
 

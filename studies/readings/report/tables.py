@@ -6,7 +6,7 @@ from typing import Any
 
 from studies.drawing.cells import NO_NUMBER, signs
 from studies.readings.analysis import DISTANCE, Analysis, Response, responses_of
-from studies.readings.candidates import CANDIDATES, Candidate, preset_file
+from studies.readings.candidates import PROPOSED, Candidate, preset_file
 from studies.readings.decisions import DECISIONS
 from studies.readings.design import COLUMN, FIVE, mixed_with
 from studies.readings.distance import READ_FIGURES
@@ -83,7 +83,7 @@ def candidate_rows(candidates: Sequence[Candidate], parts: Sequence[str]) -> lis
     return [
         {
             "name": one.name,
-            "words": CANDIDATES[one.name],
+            "words": PROPOSED[one.name],
             "second": listed(one.second),
             "cell": NO_NUMBER if one.cell is None else str(one.cell),
             "predicted": figure_cells(one.predicted, responses),
