@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from docs.figures.demo import BEGIN, COMMAND, END, with_figures
 from studies.cli.main import COMMANDS
 from tests.conftest import ROOT
 
@@ -22,6 +23,18 @@ def test_its_commands_and_links_exist():
     assert set(re.findall(r"^    make ([a-z-]+)", TEXT, re.MULTILINE)) <= targets
     links = [link for link in re.findall(r"\]\(([^)]+)\)", TEXT) if not link.startswith("https://")]
     assert [link for link in links if not (ROOT / link).exists()] == []
+
+
+def test_its_demo_is_what_make_demo_runs():
+    """The command that draws the picture makes the same run; its sentence stands between the marks and nothing else."""
+    recipe = re.search(r"^demo:.*\n\t\$\(BIN\)/franbv (.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert recipe is not None
+    assert recipe[1].split() == COMMAND
+    told = with_figures(TEXT, "one line\n")
+    assert BEGIN + "one line\n" + END in told
+    assert told.replace("one line\n", "") == with_figures(TEXT, "")
+    with pytest.raises(ValueError, match="README lacks"):
+        with_figures(TEXT.replace(END, ""), "")
 
 
 @pytest.mark.slow
