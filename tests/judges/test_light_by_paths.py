@@ -40,7 +40,7 @@ may be off as a whole."""
 BEYOND = 0.01
 """Share of pixels that may lie beyond the limit."""
 OF_CLASSES = 0.02
-"""Relative: by how much the mean over a material's pixels may differ, beyond three sigma of the judge's own mean."""
+"""Relative: by how much the mean over a material's pixels may differ, beyond three sigma of the two means."""
 LEAST_PIXELS = 100
 """Of a material that is compared [px]."""
 
@@ -52,7 +52,7 @@ class Verdict:
     beyond: float
     """Share of pixels beyond the limit."""
     ratios: dict[str, tuple[float, float]]
-    """Ours over the judge's, and the judge's standard deviation, by material."""
+    """Ours over the judge's, and the standard deviation of that by the seeds of both, by material."""
 
     def __str__(self) -> str:
         means = ", ".join(f"{name} {ratio:.3f} +- {sigma:.3f}" for name, (ratio, sigma) in self.ratios.items())
@@ -75,14 +75,15 @@ def judged(scene: Scene, pose: RigidTransform = POSE) -> dict[str, Verdict]:
     names = {number: b.material.name for number, b in enumerate(scene.bodies)}
     verdicts = {}
     for layer, images in zip(("projector", "ambient"), theirs, strict=True):
-        mine, judge = Estimate.of(np.stack([getattr(layers, layer) for layers in ours])), Estimate.of(images)
+        of_ours = np.stack([getattr(layers, layer) for layers in ours])
+        mine, judge = Estimate.of(of_ours), Estimate.of(images)
         ratios = {}
         for name in dict.fromkeys(names.values()):
             there = np.isin(body, [number for number, other in names.items() if other == name])
             if np.count_nonzero(there) >= LEAST_PIXELS:
-                means = images[:, there].mean(axis=1)
-                sigma = means.std(ddof=1) / np.sqrt(len(means)) / means.mean()
-                ratios[name] = float(mine.mean[there].mean() / judge.mean[there].mean()), float(sigma)
+                means = [stack[:, there].mean(axis=1) for stack in (of_ours, images)]
+                sigma = np.hypot(*(m.std(ddof=1) / np.sqrt(len(m)) / m.mean() for m in means))
+                ratios[name] = float(means[0].mean() / means[1].mean()), float(sigma)
         verdicts[layer] = Verdict(share_beyond(mine, judge), ratios)
         sys.stdout.write(f"{scene.name}, {layer}: {verdicts[layer]}\n")
     return verdicts
