@@ -97,7 +97,7 @@ def readings_words(analysis: Analysis, candidates: Sequence[Candidate], n_runs: 
             f"{done} {counted(lacking, 'reading')} of {N_CELLS} have no whole start yet, so nothing is told from them."
         )
     default, best, measured = candidates
-    moved = ", ".join(analysis.sure) or "none of the fifteen decisions"
+    moved = ", ".join(analysis.sure) or "none of the decisions"
     return (
         f"{done} The method as it comes lies {_distance(default.measured)} from the paper's table (1: each figure as "
         f"far off as is allowed), the nearest reading that was tried {_distance(measured.measured)} (cell "
