@@ -27,7 +27,7 @@ FRAMES = 2
 BORDER_PX = 4
 """Left out around the plate's outline, where depth is lost on any material."""
 ALWAYS, NEVER = 0.0, 2.0
-"""Values of `render.world.conductor.NEGLIGIBLE_LOSS` that give every metal the second lobe, or none."""
+"""Values of `render.world.reflectances.NEGLIGIBLE_LOSS` that give every metal the second lobe, or none."""
 FALSE_MM = 5.0
 
 
@@ -45,7 +45,7 @@ class Plate:
 
 def measure(alpha: float, tilt_deg: float, axis_deg: float, negligible_loss: float) -> Plate:
     """The plate from straight above, in the workshop's light."""
-    with patch("render.world.conductor.NEGLIGIBLE_LOSS", negligible_loss):
+    with patch("render.world.reflectances.NEGLIGIBLE_LOSS", negligible_loss):
         scene = coupon_scene(
             "plate", steel(alpha), "workshop", tilt=np.radians(tilt_deg), axis=np.radians(axis_deg), size=SIZE
         )

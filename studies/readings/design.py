@@ -6,7 +6,7 @@ first in four. So main effects are clear of each other. Resolution III: each is 
 decisions, and larger ones.
 
 The columns of FIVE are 1, 2, 4, 8 and 15, a half fraction of resolution V: what those five do alone is clear of what
-any two of them do together, and each of the other ten columns holds exactly one such pair. So where one of the others
+any two of them do together, and each of the other columns holds exactly one such pair. So where one of the others
 seems to matter, its pair is the other explanation, and the page names it.
 
 Columns 10 and 11 are empty. Two decisions stood there that the paper's own counts refute: to recover all regions of a

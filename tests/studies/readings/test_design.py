@@ -21,50 +21,51 @@ NAMES = [decision.name for decision in DECISIONS]
 def test_columns_are_balanced_and_orthogonal():
     """Each decision at each level in eight cells, each pair of levels of two decisions in four."""
     columns = level_signs()
-    assert columns.shape == (16, 15)
+    assert columns.shape == (16, 13)
     assert (columns.sum(axis=0) == 0).all()
-    for one, other in combinations(range(15), 2):
+    for one, other in combinations(range(13), 2):
         pairs = {
             (a, b): int(((columns[:, one] == a) & (columns[:, other] == b)).sum()) for a in (-1, 1) for b in (-1, 1)
         }
         assert set(pairs.values()) == {4}
 
 
-def test_every_column_is_used_once():
-    """Saturated: fifteen decisions in the fifteen columns that are not constant."""
-    assert sorted(COLUMN.values()) == list(range(1, N_CELLS))
+def test_no_column_is_used_twice():
+    """Thirteen decisions in the fifteen columns that are not constant; two are empty."""
+    assert sorted(COLUMN.values()) == [k for k in range(1, N_CELLS) if k not in {10, 11}]
     assert set(COLUMN) == set(NAMES)
 
 
 def test_pairs_that_are_mixed_are_those_whose_product_is_the_column():
-    """Multiplied out, cell by cell: seven pairs a decision, all 105 pairs in all."""
+    """Multiplied out, cell by cell: each of the 78 pairs is a decision's own or, six of each, in an empty column."""
     columns = dict(zip(NAMES, level_signs().T, strict=True))
     told = {frozenset(pair): name for name in NAMES for pair in mixed_with(name)}
-    assert len(told) == 105
+    assert len(told) == 78 - 2 * 6
     for one, other in combinations(NAMES, 2):
         # -1 is the first level of each: the product of two columns is a third, or that with all level_signs turned.
         product = columns[one] * columns[other]
-        (same,) = [name for name in NAMES if abs(product @ columns[name]) == N_CELLS]
-        assert told[frozenset((one, other))] == same
+        same = [name for name in NAMES if abs(product @ columns[name]) == N_CELLS]
+        assert [told[frozenset((one, other))]] == same if same else frozenset((one, other)) not in told
 
 
 def test_five_are_clear_of_their_own_pairs():
-    """Resolution V among them: ten pairs in ten columns, none of them one of the five's; told first."""
+    """Resolution V among them: each other decision's column is that of one of their ten pairs; told first."""
     columns = dict(zip(NAMES, level_signs().T, strict=True))
     for one, other in combinations(FIVE, 2):
         product = columns[one] * columns[other]
         assert not any(abs(product @ columns[name]) for name in FIVE)
     firsts = [frozenset(mixed_with(name)[0]) for name in NAMES if name not in FIVE]
-    assert len(set(firsts)) == 10
+    assert len(set(firsts)) == len(firsts) == 8
     assert all(pair <= set(FIVE) for pair in firsts)
 
 
 def test_first_cell_has_the_defaults_and_no_two_are_alike():
-    """Cell 0 is the method as it comes; all cells differ in eight decisions (the rows of a Hadamard matrix do)."""
+    """Cell 0 is the method as it comes; all cells differ in eight columns (the rows of a Hadamard matrix do), of which two
+    are empty."""
     cells = design_cells()
     assert decided(Parameters(), cells[0].second) == Parameters()
     for one, other in combinations(cells, 2):
-        assert len(one.second ^ other.second) == 8
+        assert 6 <= len(one.second ^ other.second) <= 8
 
 
 def test_decisions_change_readings_alone():
