@@ -1,4 +1,4 @@
-"""The paper's objects on its bench, as the left imager's lens sees them under the lamps. `python -m docs.figures.objects`."""
+"""The paper's objects on its bench, under its lamps. `python -m docs.figures.objects`."""
 
 import numpy as np
 

@@ -10,8 +10,8 @@ any two of them do together, and each of the other columns holds exactly one suc
 seems to matter, its pair is the other explanation, and the page names it.
 
 Columns 10 and 11 are empty. Two decisions stood there that the paper's own counts refute: to recover all regions of a
-burst instead of the largest, and up to three recoveries in one iteration. In the cells that had both, C and D took up to 146
-acquisitions and 43 activations (the paper has 6 and 7), and a run of them takes ten times as long.
+burst instead of the largest, and up to three recoveries in one iteration. In the cells that had both, C and D took up
+to 146 acquisitions and 43 activations (the paper has 6 and 7), and a run of them takes ten times as long.
 """
 
 from collections.abc import Mapping

@@ -60,8 +60,8 @@ def test_five_are_clear_of_their_own_pairs():
 
 
 def test_first_cell_has_the_defaults_and_no_two_are_alike():
-    """Cell 0 is the method as it comes; all cells differ in eight columns (the rows of a Hadamard matrix do), of which two
-    are empty."""
+    """Cell 0 is the method as it comes; all cells differ in eight columns (the rows of a Hadamard matrix do), of which
+    two are empty."""
     cells = design_cells()
     assert decided(Parameters(), cells[0].second) == Parameters()
     for one, other in combinations(cells, 2):
