@@ -82,6 +82,7 @@ class Reachability:
     poses: Sequence[RigidTransform]
     """T_world_cam, in the order in which they were asked about."""
     reachable: Sequence[bool]
+    """Whether the camera can stand there."""
 
 
 @dataclass(frozen=True, eq=False)

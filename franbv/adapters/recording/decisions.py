@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from franbv.acquisition import Acquisition
-from franbv.adapters.recording.messages import matrix_rows
+from franbv.adapters.recording.forms import matrix_rows
 from franbv.geometry.oriented_box import OrientedBox
 from franbv.recovery import RecoveryPoses
 from franbv.reflective_regions import Detection
@@ -18,7 +18,7 @@ which two processors differ, far below what moves a camera (1 nm)."""
 
 
 @dataclass(frozen=True)
-class Difference:
+class DecisionDifference:
     """Where two runs first decide otherwise."""
 
     acquisition: int
@@ -56,15 +56,15 @@ def decision_of(a: Acquisition) -> dict[str, Any]:
 
 def first_difference(
     recorded: Sequence[Mapping[str, Any]], replayed: Sequence[Mapping[str, Any]]
-) -> Difference | None:
+) -> DecisionDifference | None:
     """The first number or word in which the decisions differ by more than EQUAL_TO; None if they all agree."""
     for k, (one, other) in enumerate(zip(recorded, replayed, strict=False)):
         found = _difference(one, other, ())
         if found is not None:
             place, was, now = found
-            return Difference(k, ".".join(place), was, now)
+            return DecisionDifference(k, ".".join(place), was, now)
     if len(recorded) != len(replayed):
-        return Difference(min(len(recorded), len(replayed)), "acquisitions", len(recorded), len(replayed))
+        return DecisionDifference(min(len(recorded), len(replayed)), "acquisitions", len(recorded), len(replayed))
     return None
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 from jaxtyping import Float32, UInt8
 
-STEPS, METRES, GREY = "16UC1", "32FC1", "mono8"
+STEPS_16, METRES_32, GREY_8 = "16UC1", "32FC1", "mono8"
 """Encodings by the names that ROS and Foxglove have for them (little-endian rows without padding)."""
-PIXEL_TYPES = {STEPS: np.dtype("<u2"), METRES: np.dtype("<f4"), GREY: np.dtype("u1")}
+PIXEL_TYPES = {STEPS_16: np.dtype("<u2"), METRES_32: np.dtype("<f4"), GREY_8: np.dtype("u1")}
 DEFAULT_UNIT = 1e-3
 """Depth of one step [m] where nothing else is said: librealsense's default, and REP 118's for 16-bit images."""
 
@@ -15,14 +15,14 @@ def coding_of(depths: Float32[np.ndarray, "n h w"], unit: float | None) -> str:
     unit = unit or DEFAULT_UNIT
     steps = np.rint(depths / np.float32(unit))
     if not np.all((steps >= 0) & (steps <= np.iinfo(np.uint16).max)):
-        return METRES
+        return METRES_32
     back = metres(steps.astype("<u2"), unit)
-    return STEPS if np.array_equal(back.view(np.uint32), depths.view(np.uint32)) else METRES
+    return STEPS_16 if np.array_equal(back.view(np.uint32), depths.view(np.uint32)) else METRES_32
 
 
 def image_bytes(depth: Float32[np.ndarray, "h w"], coding: str, unit: float | None) -> bytes:
     """Pixels of one frame [m], row by row."""
-    if coding == METRES:
+    if coding == METRES_32:
         return depth.astype("<f4").tobytes()
     return np.rint(depth / np.float32(unit or DEFAULT_UNIT)).astype("<u2").tobytes()
 

@@ -22,7 +22,15 @@ from franbv.adapters.recording.contents import (
     RunFacts,
 )
 from franbv.adapters.recording.depth_codes import image_of, metres
-from franbv.adapters.recording.mcap_records import MEND, Found, Place, chunk_at, is_closed, messages_of
+from franbv.adapters.recording.forms import intrinsics_of, pose_of
+from franbv.adapters.recording.mcap_records import (
+    RECORDING_MEND,
+    FoundMessage,
+    MessagePlace,
+    chunk_at,
+    is_closed,
+    messages_of,
+)
 from franbv.adapters.recording.messages import (
     RECORDING_FORMAT,
     BurstMessage,
@@ -32,8 +40,6 @@ from franbv.adapters.recording.messages import (
     ImageMessage,
     ReachabilityMessage,
     StopMessage,
-    intrinsics_of,
-    pose_of,
 )
 from franbv.frames import Intrinsics
 from franbv.sensing import DepthBurst
@@ -54,7 +60,7 @@ def read_recording(path: Path) -> Recording:
             reading.take(found)
         return reading.result(is_closed(path))
     except OSError as error:
-        raise RecordingError(f"{path}: cannot be read ({error.strerror or error}); {MEND}") from error
+        raise RecordingError(f"{path}: cannot be read ({error.strerror or error}); {RECORDING_MEND}") from error
 
 
 class _Reading:
@@ -64,49 +70,49 @@ class _Reading:
         self.path = path
         self.header: HeaderMessage | None = None
         self.intrinsics: Intrinsics | None = None
-        self.frames: list[Place] = []
-        self.infrared: list[Place] = []
+        self.frames: list[MessagePlace] = []
+        self.infrared: list[MessagePlace] = []
         self.bursts: list[RecordedBurst] = []
         self.decisions: list[dict[str, Any]] = []
         self.poses: list[Any] = []
         self.reachable: list[bool] = []
         self.stop: str | None = None
 
-    def take(self, found: Found) -> None:
+    def take(self, found: FoundMessage) -> None:
         """One message after the other."""
         try:
             self._take(found)
         except RecordingError:
             raise
         except (ValueError, RecursionError, binascii.Error) as error:
-            raise RecordingError(
-                f"{self.path}: {found.topic} at byte {found.place.chunk} cannot be used ({_short(error)}); {MEND}"
-            ) from error
+            place = f"{found.topic} at byte {found.place.chunk}"
+            words = f"{place} cannot be used ({_short(error)}); {RECORDING_MEND}"
+            raise RecordingError(f"{self.path}: {words}") from error
 
-    def _take(self, found: Found) -> None:
+    def _take(self, found: FoundMessage) -> None:
         topic, data = found.topic, found.data
-        if topic == topics.HEADER.name:
+        if topic == topics.HEADER_TOPIC.name:
             self._begin(data)
         elif self.header is None:
             raise ValueError("it comes before the header")
-        elif topic == topics.CALIBRATION.name:
+        elif topic == topics.CALIBRATION_TOPIC.name:
             said = _checked(CalibrationMessage, data)
             self.intrinsics = intrinsics_of(said.width, said.height, said.K)
-        elif topic == topics.DEPTH.name:
+        elif topic == topics.DEPTH_TOPIC.name:
             self.frames.append(self._seen(found, self.intrinsics))
-        elif topic == topics.INFRARED.name:
+        elif topic == topics.INFRARED_TOPIC.name:
             self.infrared.append(self._seen(found, None))
-        elif topic == topics.BURST.name:
+        elif topic == topics.BURST_TOPIC.name:
             self._end_burst(_checked(BurstMessage, data))
-        elif topic == topics.REACHABILITY.name:
+        elif topic == topics.REACHABILITY_TOPIC.name:
             said = _checked(ReachabilityMessage, data)
             if len(said.poses) != len(said.reachable):
                 raise ValueError("as many answers as questions are wanted")
             self.poses += [pose_of(rows) for rows in said.poses]
             self.reachable += said.reachable
-        elif topic == topics.DECISION.name:
+        elif topic == topics.DECISION_TOPIC.name:
             self._decide(_checked(DecisionMessage, data))
-        elif topic == topics.STOP.name:
+        elif topic == topics.STOP_TOPIC.name:
             self.stop = _checked(StopMessage, data).reason
 
     def _begin(self, data: bytes) -> None:
@@ -120,7 +126,7 @@ class _Reading:
             )
         self.header = _checked(HeaderMessage, data)
 
-    def _seen(self, found: Found, intrinsics: Intrinsics | None) -> Place:
+    def _seen(self, found: FoundMessage, intrinsics: Intrinsics | None) -> MessagePlace:
         """Where the image stands, once it was seen to be right."""
         _pixels(found.data, intrinsics)
         return found.place
@@ -159,7 +165,7 @@ class _Reading:
     def result(self, closed: bool) -> Recording:
         """All of it; RecordingError where nothing can be done with it."""
         if self.header is None or self.intrinsics is None:
-            raise RecordingError(f"{self.path}: ends before its header; {MEND}")
+            raise RecordingError(f"{self.path}: ends before its header; {RECORDING_MEND}")
         if not self.bursts:
             raise RecordingError(f"{self.path}: holds no whole burst; record again")
         notices = []
@@ -180,7 +186,7 @@ class _Reading:
         )
 
 
-def _data_of(path: Path, places: tuple[Place, ...]) -> Iterator[bytes]:
+def _data_of(path: Path, places: tuple[MessagePlace, ...]) -> Iterator[bytes]:
     """The payloads of these messages, each chunk unpacked once."""
     for at, together in groupby(places, key=lambda place: place.chunk):
         chunk = chunk_at(path, at)

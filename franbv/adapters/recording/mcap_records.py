@@ -20,11 +20,11 @@ from mcap.records import Channel, Chunk, DataEnd, Footer, Header, Message
 
 from franbv.adapters.recording.contents import RecordingError
 
-MAGIC = b"\x89MCAP0\r\n"
-MOST_BYTES = 128 * 2**20
+MCAP_MAGIC = b"\x89MCAP0\r\n"
+MOST_RECORD_BYTES = 128 * 2**20
 """Of a record, and of a chunk when it is unpacked. Choice: eight times what the writer makes of the largest image."""
-MEND = "copy the file anew, or record again"
-HEAD = struct.Struct("<BQ")
+RECORDING_MEND = "copy the file anew, or record again"
+RECORD_HEAD = struct.Struct("<BQ")
 """Of every record: what it is, and its length [bytes]."""
 FOOTER_HEAD = struct.Struct("<BQQQ")
 """The footer up to its checksum, which covers that, too."""
@@ -32,15 +32,15 @@ MALFORMED_RECORD = (McapError, struct.error, ValueError, zstandard.ZstdError, Ov
 """What taking a damaged record apart can raise."""
 
 
-class Found(NamedTuple):
+class FoundMessage(NamedTuple):
     """A message of the file."""
 
     topic: str
     data: bytes
-    place: "Place"
+    place: "MessagePlace"
 
 
-class Place(NamedTuple):
+class MessagePlace(NamedTuple):
     """Where a message stands."""
 
     chunk: int
@@ -49,7 +49,7 @@ class Place(NamedTuple):
     """Its number among the chunk's messages [-]."""
 
 
-class Record(NamedTuple):
+class McapRecord(NamedTuple):
     """A record at the file's top."""
 
     opcode: int
@@ -62,13 +62,13 @@ class Record(NamedTuple):
 def profile_of(path: Path) -> str | None:
     """What the file's header says it is; None for anything but an MCAP file."""
     with path.open("rb") as file:
-        if file.read(len(MAGIC)) != MAGIC:
+        if file.read(len(MCAP_MAGIC)) != MCAP_MAGIC:
             return None
-        head = file.read(HEAD.size)
-        if len(head) < HEAD.size:
+        head = file.read(RECORD_HEAD.size)
+        if len(head) < RECORD_HEAD.size:
             return None
-        opcode, length = HEAD.unpack(head)
-        if opcode != Opcode.HEADER or length > MOST_BYTES:
+        opcode, length = RECORD_HEAD.unpack(head)
+        if opcode != Opcode.HEADER or length > MOST_RECORD_BYTES:
             return None
         try:
             return Header.read(_stream(file.read(length))).profile
@@ -80,11 +80,11 @@ def is_closed(path: Path) -> bool:
     """Whether the file has its end."""
     with path.open("rb") as file:
         size = file.seek(0, 2)
-        file.seek(max(0, size - len(MAGIC)))
-        return size > len(MAGIC) and file.read() == MAGIC
+        file.seek(max(0, size - len(MCAP_MAGIC)))
+        return size > len(MCAP_MAGIC) and file.read() == MCAP_MAGIC
 
 
-def messages_of(path: Path) -> Iterator[Found]:
+def messages_of(path: Path) -> Iterator[FoundMessage]:
     """All messages in chunks, in the order in which they were written.
 
     RecordingError, with the byte, for what is damaged.
@@ -105,8 +105,8 @@ def messages_of(path: Path) -> Iterator[Found]:
             except MALFORMED_RECORD as error:
                 raise _damaged(path, record.at, error) from error
             if not ended:
-                head = HEAD.pack(record.opcode, len(record.data))
-                checksum = zlib.crc32(record.data, zlib.crc32(head, checksum or zlib.crc32(MAGIC)))
+                head = RECORD_HEAD.pack(record.opcode, len(record.data))
+                checksum = zlib.crc32(record.data, zlib.crc32(head, checksum or zlib.crc32(MCAP_MAGIC)))
 
 
 def chunk_at(path: Path, at: int) -> list[bytes]:
@@ -123,11 +123,11 @@ def chunk_at(path: Path, at: int) -> list[bytes]:
             raise _damaged(path, at, error) from error
 
 
-def _records(path: Path, file: BinaryIO, closed: bool) -> Iterator[Record]:
+def _records(path: Path, file: BinaryIO, closed: bool) -> Iterator[McapRecord]:
     """Records up to the footer; of a file without an end, as many as are whole."""
     size = file.seek(0, 2)
     file.seek(0)
-    if file.read(len(MAGIC)) != MAGIC:
+    if file.read(len(MCAP_MAGIC)) != MCAP_MAGIC:
         raise RecordingError(f"{path}: is no MCAP file (other first bytes); give a recording")
     while True:
         at = file.tell()
@@ -141,27 +141,27 @@ def _records(path: Path, file: BinaryIO, closed: bool) -> Iterator[Record]:
             return
         yield record
         if record.opcode == Opcode.FOOTER:
-            if file.read() != MAGIC:
+            if file.read() != MCAP_MAGIC:
                 raise _damaged(path, at, "something follows the footer")
             return
-        file.seek(at + HEAD.size + len(record.data))
+        file.seek(at + RECORD_HEAD.size + len(record.data))
 
 
-def _record(file: BinaryIO, size: int) -> Record | None:
+def _record(file: BinaryIO, size: int) -> McapRecord | None:
     """The record here, None where the file ends before it does; ValueError for one that is longer than any."""
     at = file.tell()
-    head = file.read(HEAD.size)
-    if len(head) < HEAD.size:
+    head = file.read(RECORD_HEAD.size)
+    if len(head) < RECORD_HEAD.size:
         return None
-    opcode, length = HEAD.unpack(head)
-    if at + HEAD.size + length > size:
+    opcode, length = RECORD_HEAD.unpack(head)
+    if at + RECORD_HEAD.size + length > size:
         return None
-    if length > MOST_BYTES:
+    if length > MOST_RECORD_BYTES:
         raise ValueError(f"a record of {length} bytes")
-    return Record(opcode, at, file.read(length))
+    return McapRecord(opcode, at, file.read(length))
 
 
-def _messages_in(record: Record, channels: dict[int, str] | None) -> list[Found]:
+def _messages_in(record: McapRecord, channels: dict[int, str] | None) -> list[FoundMessage]:
     """Unpack a chunk; channels: topics by number, to which those of the chunk are added; None: topics are not asked."""
     stream = BytesIO(_unpacked(Chunk.read(_stream(record.data))))
     size, found = len(stream.getbuffer()), []
@@ -177,18 +177,18 @@ def _messages_in(record: Record, channels: dict[int, str] | None) -> list[Found]
             if channels is not None and message.channel_id not in channels:
                 raise ValueError(f"a message of channel {message.channel_id}, which is none")
             topic = "" if channels is None else channels[message.channel_id]
-            found.append(Found(topic, message.data, Place(record.at, len(found))))
+            found.append(FoundMessage(topic, message.data, MessagePlace(record.at, len(found))))
     return found
 
 
 def _unpacked(chunk: Chunk) -> bytes:
     """The chunk's records; ValueError where size or checksum are other than it says."""
     said = chunk.uncompressed_size
-    if said > MOST_BYTES:
+    if said > MOST_RECORD_BYTES:
         raise ValueError(f"a chunk of {said} bytes")
     if chunk.compression == "zstd":
         frame = zstandard.get_frame_parameters(chunk.data)
-        if frame.content_size != said or frame.window_size > MOST_BYTES:
+        if frame.content_size != said or frame.window_size > MOST_RECORD_BYTES:
             raise ValueError("a chunk of another size than it says")
         data = zstandard.ZstdDecompressor().decompress(chunk.data, max_output_size=said)
     elif chunk.compression == "":
@@ -200,16 +200,16 @@ def _unpacked(chunk: Chunk) -> bytes:
     return data
 
 
-def _check_summary(file: BinaryIO, record: Record) -> None:
+def _check_summary(file: BinaryIO, record: McapRecord) -> None:
     """ValueError where the index of a closed file is damaged."""
     footer = Footer.read(_stream(record.data))
-    if not 0 < footer.summary_start <= record.at or record.at - footer.summary_start > MOST_BYTES:
+    if not 0 < footer.summary_start <= record.at or record.at - footer.summary_start > MOST_RECORD_BYTES:
         raise ValueError("a summary that is not there")
     file.seek(footer.summary_start)
     checksum = zlib.crc32(file.read(record.at - footer.summary_start))
     head = FOOTER_HEAD.pack(Opcode.FOOTER, len(record.data), footer.summary_start, footer.summary_offset_start)
     _compare(footer.summary_crc, zlib.crc32(head, checksum), "the summary")
-    file.seek(record.at + HEAD.size + len(record.data))
+    file.seek(record.at + RECORD_HEAD.size + len(record.data))
 
 
 def _compare(said: int, found: int, what: str) -> None:
@@ -223,4 +223,4 @@ def _stream(data: bytes) -> ReadDataStream:
 
 def _damaged(path: Path, at: int, why: object) -> RecordingError:
     reason = " ".join(f"{type(why).__name__}: {why}".split()) if isinstance(why, McapError) else why
-    return RecordingError(f"{path}: is damaged at byte {at} ({reason}); {MEND}")
+    return RecordingError(f"{path}: is damaged at byte {at} ({reason}); {RECORDING_MEND}")

@@ -1,23 +1,15 @@
 """The messages of a recording: what each topic carries, as models that are checked when they are read.
 
 Images, calibration and poses have the JSON forms of Foxglove's schemas of the same names, so that its viewer and
-others show them; the rest is ours. Matrices are 4 x 4, row by row, and numbers keep every bit. JSON is written and read
-by Python's own module, which rounds neither way.
+others show them (`franbv.adapters.recording.forms` makes them); the rest is ours. Matrices are 4 x 4, row by row.
 """
 
-import base64
-import json
-from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import numpy as np
-from jaxtyping import Float
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
-from scipy.spatial.transform import RigidTransform, Rotation
 
 from franbv.adapters.recording.contents import CameraFacts, RunFacts
 from franbv.adapters.recording.depth_codes import PIXEL_TYPES
-from franbv.frames import Intrinsics
 
 RECORDING_FORMAT = 1
 """Of the messages; it rises when older readers would take them for something else."""
@@ -25,19 +17,18 @@ MOST_SIDE = 4096
 """Pixels along an image's side [px]. Choice: three times those of any depth camera; what says more is damaged."""
 MOST_FRAMES = 1000
 """Frames of a burst [-]. Choice: half a minute at 30 Hz; what says more is damaged."""
-WORLD_FRAME, CAMERA_FRAME = "world", "camera_depth"
-"""Names of the coordinate frames in viewers."""
-NS_PER_S = 1_000_000_000
-ORTHONORMAL = 1e-6
-"""By how much R^T R of a pose may differ from 1. Choice: text with seven digits passes, a flipped bit does not."""
 
-Row = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
-Matrix4 = tuple[Row, Row, Row, Row]
+MatrixRow = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
+Matrix4 = tuple[MatrixRow, MatrixRow, MatrixRow, MatrixRow]
 Triple = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
-Index = Annotated[int, Field(ge=0)]
+Natural = Annotated[int, Field(ge=0)]
+if TYPE_CHECKING:
+    Coding = str
+else:
+    Coding = Literal[tuple(PIXEL_TYPES)]
 
 
-class Message(BaseModel):
+class OwnMessage(BaseModel):
     """A message of ours: unknown fields are refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -49,16 +40,16 @@ class ViewerMessage(BaseModel):
     model_config = ConfigDict(frozen=True, extra="ignore")
 
 
-class HeaderMessage(Message):
+class HeaderMessage(OwnMessage):
     """First message: what decided the run, and the camera."""
 
-    format: Index
+    format: Natural
     """RECORDING_FORMAT of the writer."""
     title: str
     planner: str | None
     parameters: dict[str, Any]
     """Fields of `Parameters`."""
-    seed: Index
+    seed: Natural
     """Root of the planner's randomness [-]."""
     azimuth_deg: FiniteFloat
     """Where the first view stands [deg]."""
@@ -76,10 +67,10 @@ class HeaderMessage(Message):
     firmware: str | None
 
 
-class BurstMessage(Message):
+class BurstMessage(OwnMessage):
     """After the frames of a burst: what belongs to them. Frames without it are no burst."""
 
-    index: Index
+    index: Natural
     """Counts bursts, from 0."""
     n_frames: Annotated[int, Field(ge=1, le=MOST_FRAMES)]
     """Depth images before this message that belong to it [-]."""
@@ -91,21 +82,22 @@ class BurstMessage(Message):
     """Where the camera stood [m]."""
     T_asked: Matrix4
     """Where the planner wanted it [m]."""
-    times_ns: list[Index]
+    times_ns: list[Natural]
     """When each frame was taken [ns]."""
     motion_s: Annotated[FiniteFloat, Field(ge=0)]
     """Time of the move to the pose [s]."""
 
 
-class ReachabilityMessage(Message):
+class ReachabilityMessage(OwnMessage):
     """Poses about which the arm was asked, and its answers, since the last such message."""
 
     poses: list[Matrix4]
     """T_world_cam [m]."""
     reachable: list[bool]
+    """Whether the camera can stand there."""
 
 
-class BoxMessage(Message):
+class BoxMessage(OwnMessage):
     """An oriented box."""
 
     centre: Triple
@@ -116,18 +108,18 @@ class BoxMessage(Message):
     """Half of each side [m]."""
 
 
-class DetectionMessage(Message):
+class DetectionMessage(OwnMessage):
     """Reflective regions in a burst."""
 
-    candidate_pixels: Index
+    candidate_pixels: Natural
     """|I_c| [px]."""
-    retained_pixels: Index
+    retained_pixels: Natural
     """Candidates that were given a place [px]."""
     boxes: list[BoxMessage]
     """B_r, largest volume first."""
 
 
-class RecoveryMessage(Message):
+class RecoveryMessage(OwnMessage):
     """Poses for the recovery that a burst sets off, and what became of the others [-]."""
 
     poses: list[Matrix4]
@@ -137,29 +129,30 @@ class RecoveryMessage(Message):
     normal: Triple
     """n_r."""
     turned: bool
-    n_pushed_back: Index
+    """Whether these are the poses of the turned diamond."""
+    n_pushed_back: Natural
     """Moved back because of Min-Z."""
-    n_too_near: Index
+    n_too_near: Natural
     """Dropped because of Min-Z."""
-    n_under_table: Index
+    n_under_table: Natural
     """Dropped because of the table."""
-    n_unreachable: Index
+    n_unreachable: Natural
     """Dropped because of the arm."""
 
 
-class DecisionMessage(Message):
+class DecisionMessage(OwnMessage):
     """What the planner decided at a burst: why it was taken, what it showed, what follows."""
 
-    index: Index
+    index: Natural
     """Of the burst."""
-    iteration: Index
+    iteration: Natural
     """NBV iteration; 0 = the first view."""
     kind: Literal["first", "nbv", "recovery"]
     T_world_cam: Matrix4
     """Pose of the burst [m]."""
     utility: FiniteFloat | None
     """U or U_r of the chosen pose, in the planner's unit."""
-    n_unreachable: Index
+    n_unreachable: Natural
     """Candidates that the arm could not reach [-]."""
     detection: DetectionMessage | None
     recovery: RecoveryMessage | None
@@ -167,18 +160,18 @@ class DecisionMessage(Message):
     """Gamma after a recovery view [-]."""
     gamma_attainable: FiniteFloat | None
     """Gamma over what a surface patch can attain [-]."""
-    occupied_voxels: Index
+    occupied_voxels: Natural
     """Of the object [-]."""
-    frontier_voxels: Index
+    frontier_voxels: Natural
     """Of the object [-]."""
-    ellipsoids: Index
+    ellipsoids: Natural
     """K_o + K_f [-]."""
 
 
-class TimesMessage(Message):
+class TimesMessage(OwnMessage):
     """How long an acquisition took; never compared."""
 
-    index: Index
+    index: Natural
     """Of the burst."""
     planning_s: dict[str, FiniteFloat]
     """Processor time by stage [s]."""
@@ -186,7 +179,7 @@ class TimesMessage(Message):
     """Wall time of the burst [s]."""
 
 
-class StopMessage(Message):
+class StopMessage(OwnMessage):
     """Last message of a run that came to its end."""
 
     reason: str
@@ -195,15 +188,15 @@ class StopMessage(Message):
 class ImageMessage(ViewerMessage):
     """foxglove.RawImage."""
 
-    timestamp: dict[str, Index]
+    timestamp: dict[str, Natural]
     """`sec` [s] and `nsec` [ns]."""
     frame_id: str
     width: Annotated[int, Field(ge=1, le=MOST_SIDE)]
     """[px]."""
     height: Annotated[int, Field(ge=1, le=MOST_SIDE)]
     """[px]."""
-    encoding: Literal[tuple(PIXEL_TYPES)]
-    step: Index
+    encoding: Coding
+    step: Natural
     """Length of a row [bytes]."""
     data: str
     """base64."""
@@ -212,7 +205,7 @@ class ImageMessage(ViewerMessage):
 class CalibrationMessage(ViewerMessage):
     """foxglove.CameraCalibration of the depth image."""
 
-    timestamp: dict[str, Index]
+    timestamp: dict[str, Natural]
     """`sec` [s] and `nsec` [ns]."""
     frame_id: str
     width: Annotated[int, Field(ge=1, le=MOST_SIDE)]
@@ -228,77 +221,6 @@ class CalibrationMessage(ViewerMessage):
     """Rectification, row by row."""
     P: Annotated[list[FiniteFloat], Field(min_length=12, max_length=12)]
     """Projection, row by row [px]."""
-
-
-def stamp(time_ns: int) -> dict[str, int]:
-    """A time in Foxglove's form."""
-    return {"sec": time_ns // NS_PER_S, "nsec": time_ns % NS_PER_S}
-
-
-def matrix_rows(T: RigidTransform) -> list[list[float]]:
-    """The pose, row by row."""
-    return T.as_matrix().tolist()
-
-
-def pose_of(rows: Sequence[Sequence[float]]) -> RigidTransform:
-    """The pose to the bit; ValueError for a matrix that is none."""
-    matrix = np.array(rows, float)
-    R = matrix[:3, :3]
-    rigid = np.allclose(R.T @ R, np.eye(3), rtol=0, atol=ORTHONORMAL) and np.linalg.det(R) > 0
-    if not (rigid and np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0])):
-        raise ValueError("a pose is no rotation with a translation")
-    return RigidTransform(matrix, normalize=False)  # which would change the last bits
-
-
-def pose_in_frame(T_world_cam: RigidTransform, time_ns: int) -> dict[str, Any]:
-    """foxglove.PoseInFrame."""
-    place, turn = _components(T_world_cam)
-    return {"timestamp": stamp(time_ns), "frame_id": WORLD_FRAME, "pose": {"position": place, "orientation": turn}}
-
-
-def frame_transform(T_world_cam: RigidTransform, time_ns: int) -> dict[str, Any]:
-    """foxglove.FrameTransform, which puts the camera into a viewer's scene."""
-    place, turn = _components(T_world_cam)
-    frames = {"parent_frame_id": WORLD_FRAME, "child_frame_id": CAMERA_FRAME}
-    return {"timestamp": stamp(time_ns), **frames, "translation": place, "rotation": turn}
-
-
-def raw_image(data: bytes, size: tuple[int, int], coding: str, time_ns: int) -> dict[str, Any]:
-    """foxglove.RawImage; size: width and height [px]."""
-    width, height = size
-    return {
-        "timestamp": stamp(time_ns),
-        "frame_id": CAMERA_FRAME,
-        "width": width,
-        "height": height,
-        "encoding": coding,
-        "step": width * PIXEL_TYPES[coding].itemsize,
-        "data": base64.b64encode(data).decode(),
-    }
-
-
-def calibration(intrinsics: Intrinsics, time_ns: int) -> dict[str, Any]:
-    """foxglove.CameraCalibration."""
-    K = intrinsics.matrix
-    return {
-        "timestamp": stamp(time_ns),
-        "frame_id": CAMERA_FRAME,
-        "width": intrinsics.width,
-        "height": intrinsics.height,
-        "distortion_model": "plumb_bob",
-        "D": [0.0] * 5,
-        "K": K.ravel().tolist(),
-        "R": np.eye(3).ravel().tolist(),
-        "P": np.column_stack([K, np.zeros(3)]).ravel().tolist(),
-    }
-
-
-def intrinsics_of(width: int, height: int, K: Sequence[float] | Float[np.ndarray, "9"]) -> Intrinsics:
-    """Of a calibration matrix, row by row; ValueError where it is none."""
-    fx, fy, cx, cy = float(K[0]), float(K[4]), float(K[2]), float(K[5])
-    if not (np.isfinite([fx, fy, cx, cy]).all() and fx > 0 and fy > 0):
-        raise ValueError(f"K has the focal lengths {fx:g} and {fy:g} px")
-    return Intrinsics(width, height, fx, fy, cx, cy)
 
 
 def header(run: RunFacts, camera: CameraFacts) -> dict[str, Any]:
@@ -319,14 +241,3 @@ def header(run: RunFacts, camera: CameraFacts) -> dict[str, Any]:
         "serial": camera.serial,
         "firmware": camera.firmware,
     }
-
-
-def as_json(values: Mapping[str, Any]) -> bytes:
-    """As it stands in the file; ValueError for NaN and infinity, which JSON does not have."""
-    return json.dumps(values, allow_nan=False, separators=(",", ":")).encode()
-
-
-def _components(T: RigidTransform) -> tuple[dict[str, float], dict[str, float]]:
-    x, y, z = map(float, T.translation)
-    qx, qy, qz, qw = map(float, Rotation.from_matrix(T.as_matrix()[:3, :3]).as_quat())
-    return {"x": x, "y": y, "z": z}, {"x": qx, "y": qy, "z": qz, "w": qw}

@@ -14,7 +14,7 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.acquisition import Acquisition, Reconstruction
 from franbv.adapters.recording.contents import RecordedBurst, Recording
-from franbv.adapters.recording.messages import matrix_rows
+from franbv.adapters.recording.forms import matrix_rows
 from franbv.candidates import candidate_poses
 from franbv.frames import back_project
 from franbv.model import Model, model_of, model_with

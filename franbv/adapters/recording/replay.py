@@ -16,7 +16,7 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.acquisition import Acquisition, Reconstruction
 from franbv.adapters.recording.contents import Recording, RecordingError
-from franbv.adapters.recording.decisions import EQUAL_TO, Difference, decision_of, first_difference
+from franbv.adapters.recording.decisions import EQUAL_TO, DecisionDifference, decision_of, first_difference
 from franbv.adapters.recording.open_loop import Proposal, first_frames, open_loop
 from franbv.frames import Intrinsics
 from franbv.parameters import Parameters
@@ -25,14 +25,14 @@ from franbv.reconstruction import reconstruct
 from franbv.sensing import DepthBurst
 from franbv.stopping import StopReason
 
-Mode = Literal["closed_loop", "open_loop"]
+ReplayMode = Literal["closed_loop", "open_loop"]
 
 
-class _Elsewhere(Exception):
+class _ElsewhereError(Exception):
     """The planner asks for a pose that the recording does not hold."""
 
 
-class _Ended(Exception):
+class _EndedError(Exception):
     """The planner asks for another burst, and all were given."""
 
 
@@ -42,8 +42,8 @@ class Replay:
 
     run: Reconstruction
     """Its acquisitions, as of any run."""
-    mode: Mode
-    first_difference: Difference | None
+    mode: ReplayMode
+    first_difference: DecisionDifference | None
     """Where the planner first decided otherwise than in the recording; None: nowhere, or that holds no decisions."""
     n_decisions: int
     """Decisions that the recording holds [-]."""
@@ -74,11 +74,11 @@ def replay(
     ended = None
     try:
         if not recording.decisions:
-            raise _Elsewhere
+            raise _ElsewhereError
         ended = reconstruct(tape, tape, planner, parameters, seed, first_azimuth_deg, seen.append)
-    except _Ended:
+    except _EndedError:
         ended = Reconstruction(tuple(seen), StopReason.RECORDING_ENDED)
-    except _Elsewhere:
+    except _ElsewhereError:
         pass
     difference = _difference(recording, seen, ended, tape)
     if ended is not None:
@@ -145,18 +145,18 @@ class _Tape:
         bursts = self.recording.bursts
         left = [k for k in range(len(bursts)) if k not in self.given]
         if not left:
-            raise _Ended
+            raise _EndedError
         fitting = [k for k in left if same_pose(bursts[k].T_asked, T_asked)]
         if not fitting:
             self.asked_elsewhere = T_asked
-            raise _Elsewhere
+            raise _ElsewhereError
         later = [k for k in fitting if not self.given or k > self.given[-1]]
         return (later or fitting)[0]
 
 
 def _difference(
     recording: Recording, seen: list[Acquisition], ended: Reconstruction | None, tape: _Tape
-) -> Difference | None:
+) -> DecisionDifference | None:
     """Between the recorded decisions and those that the planner took until the replay left them."""
     recorded, replayed = recording.decisions, [decision_of(a) for a in seen]
     if not recorded:
@@ -168,9 +168,9 @@ def _difference(
     if ended is None:
         was = recorded[both]["T_world_cam"] if both < len(recorded) else None
         now = None if tape.asked_elsewhere is None else tape.asked_elsewhere.as_matrix().tolist()
-        return Difference(both, "pose", was, now)
+        return DecisionDifference(both, "pose", was, now)
     if both < len(recorded) or (recording.stop is not None and both < len(replayed)):
-        return Difference(both, "acquisitions", len(recorded), len(replayed))
+        return DecisionDifference(both, "acquisitions", len(recorded), len(replayed))
     if recording.stop in (None, ended.stop):
         return None
-    return Difference(both, "stop", recording.stop, str(ended.stop))
+    return DecisionDifference(both, "stop", recording.stop, str(ended.stop))

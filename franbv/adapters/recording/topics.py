@@ -15,6 +15,9 @@ from franbv.adapters.recording.messages import (
     TimesMessage,
 )
 
+PROFILE = "franbv"
+"""Of the file, by which a reader knows it for one of ours."""
+
 
 class Topic(NamedTuple):
     """A channel of the file."""
@@ -45,12 +48,12 @@ _CALIBRATION = _object(
     **{name: {"type": "array", "items": {"type": "number"}} for name in "DKRP"},
 )  # fmt: skip
 
-HEADER = Topic("/recording/header", "franbv.Header", HeaderMessage.model_json_schema())
-CALIBRATION = Topic("/camera/depth/camera_info", "foxglove.CameraCalibration", _CALIBRATION)
-DEPTH = Topic("/camera/depth/image", "foxglove.RawImage", _IMAGE)
-INFRARED = Topic("/camera/infrared/image", "foxglove.RawImage", _IMAGE)
-POSE = Topic("/camera/pose", "foxglove.PoseInFrame", _object(timestamp=_TIME, frame_id=_TEXT, pose=_POSE))
-TRANSFORM = Topic(
+HEADER_TOPIC = Topic("/recording/header", "franbv.Header", HeaderMessage.model_json_schema())
+CALIBRATION_TOPIC = Topic("/camera/depth/camera_info", "foxglove.CameraCalibration", _CALIBRATION)
+DEPTH_TOPIC = Topic("/camera/depth/image", "foxglove.RawImage", _IMAGE)
+INFRARED_TOPIC = Topic("/camera/infrared/image", "foxglove.RawImage", _IMAGE)
+POSE_TOPIC = Topic("/camera/pose", "foxglove.PoseInFrame", _object(timestamp=_TIME, frame_id=_TEXT, pose=_POSE))
+TRANSFORM_TOPIC = Topic(
     "/tf",
     "foxglove.FrameTransform",
     _object(
@@ -61,10 +64,22 @@ TRANSFORM = Topic(
         rotation=_numbers("x", "y", "z", "w"),
     ),
 )
-BURST = Topic("/camera/burst", "franbv.Burst", BurstMessage.model_json_schema())
-REACHABILITY = Topic("/arm/reachability", "franbv.Reachability", ReachabilityMessage.model_json_schema())
-DECISION = Topic("/planner/decision", "franbv.Decision", DecisionMessage.model_json_schema())
-TIMES = Topic("/planner/times", "franbv.Times", TimesMessage.model_json_schema())
-STOP = Topic("/planner/stop", "franbv.Stop", StopMessage.model_json_schema())
-TOPICS = (HEADER, CALIBRATION, DEPTH, INFRARED, POSE, TRANSFORM, BURST, REACHABILITY, DECISION, TIMES, STOP)
+BURST_TOPIC = Topic("/camera/burst", "franbv.Burst", BurstMessage.model_json_schema())
+REACHABILITY_TOPIC = Topic("/arm/reachability", "franbv.Reachability", ReachabilityMessage.model_json_schema())
+DECISION_TOPIC = Topic("/planner/decision", "franbv.Decision", DecisionMessage.model_json_schema())
+TIMES_TOPIC = Topic("/planner/times", "franbv.Times", TimesMessage.model_json_schema())
+STOP_TOPIC = Topic("/planner/stop", "franbv.Stop", StopMessage.model_json_schema())
+TOPICS = (
+    HEADER_TOPIC,
+    CALIBRATION_TOPIC,
+    DEPTH_TOPIC,
+    INFRARED_TOPIC,
+    POSE_TOPIC,
+    TRANSFORM_TOPIC,
+    BURST_TOPIC,
+    REACHABILITY_TOPIC,
+    DECISION_TOPIC,
+    TIMES_TOPIC,
+    STOP_TOPIC,
+)
 """All, in the order in which the file states them."""

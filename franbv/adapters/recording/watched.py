@@ -1,9 +1,9 @@
 """Camera and arm as the loop sees them, with everything that they give and say written into a recording.
 
-    with RecordingWriter(path, run, camera_facts) as writer:
-        watch = Watch(writer)
-        run = reconstruct(watch.camera(camera), watch.arm(arm), planner, parameters, seed, observe=watch.observe)
-        watch.stop(run.stop)
+with RecordingWriter(path, run, camera_facts) as writer:
+    watch = Watch(writer)
+    run = reconstruct(watch.camera(camera), watch.arm(arm), planner, parameters, seed, observe=watch.observe)
+    watch.stop(run.stop)
 """
 
 from collections.abc import Callable

@@ -18,22 +18,12 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.adapters.recording import topics
 from franbv.adapters.recording.contents import CameraFacts, RecordingError, RunFacts
-from franbv.adapters.recording.depth_codes import GREY, coding_of, grey_bytes, image_bytes
-from franbv.adapters.recording.messages import (
-    MOST_FRAMES,
-    as_json,
-    calibration,
-    frame_transform,
-    header,
-    matrix_rows,
-    pose_in_frame,
-    raw_image,
-)
-from franbv.adapters.recording.topics import Topic
+from franbv.adapters.recording.depth_codes import GREY_8, coding_of, grey_bytes, image_bytes
+from franbv.adapters.recording.forms import as_json, calibration, frame_transform, matrix_rows, pose_in_frame, raw_image
+from franbv.adapters.recording.messages import MOST_FRAMES, header
+from franbv.adapters.recording.topics import PROFILE, Topic
 from franbv.sensing import DepthBurst
 
-PROFILE = "franbv"
-"""By which a reader knows the file for one of ours."""
 CHUNK_BYTES = 4 * 2**20
 """A chunk ends when it is larger [bytes]. Choice: a reader needs little memory, and compression suffers little."""
 
@@ -44,9 +34,7 @@ class RecordingWriter:
     Never writes over a file that is there. Times are the wall's unless the camera has its own.
     """
 
-    def __init__(
-        self, path: Path, run: RunFacts, camera: CameraFacts, clock: Callable[[], int] = time.time_ns
-    ) -> None:
+    def __init__(self, path: Path, run: RunFacts, camera: CameraFacts, clock: Callable[[], int] = time.time_ns) -> None:
         """Begin the file; clock: the time [ns] where nothing else gives one.
 
         RecordingError where the file exists or cannot be made.
@@ -55,7 +43,7 @@ class RecordingWriter:
         try:
             self._file = path.open("xb")
         except FileExistsError:
-            raise RecordingError(f"{path}: is there already; a recording never replaces one, name another file") from None
+            raise RecordingError(f"{path}: is there already, and is never written over; name another file") from None
         except OSError as error:
             raise RecordingError(f"{path}: cannot be written ({error.strerror}); name another file") from error
         self._writer = Writer(self._file, chunk_size=CHUNK_BYTES, enable_data_crcs=True)
@@ -63,8 +51,8 @@ class RecordingWriter:
         self._channels = {topic.name: self._channel(topic) for topic in topics.TOPICS}
         self._bursts = 0
         now = clock()
-        self._add(topics.HEADER, header(run, camera), now)
-        self._add(topics.CALIBRATION, calibration(camera.intrinsics, now), now)
+        self._add(topics.HEADER_TOPIC, header(run, camera), now)
+        self._add(topics.CALIBRATION_TOPIC, calibration(camera.intrinsics, now), now)
         self._to_disk()
 
     def burst(
@@ -88,12 +76,12 @@ class RecordingWriter:
         unit, size = self._camera.depth_unit, (burst.intrinsics.width, burst.intrinsics.height)
         coding = coding_of(burst.depths, unit)
         for depth, at in zip(burst.depths, times, strict=True):
-            self._add(topics.DEPTH, raw_image(image_bytes(depth, coding, unit), size, coding, at), at)
+            self._add(topics.DEPTH_TOPIC, raw_image(image_bytes(depth, coding, unit), size, coding, at), at)
         if infrared is not None:
-            picture = raw_image(grey_bytes(infrared), infrared.shape[::-1], GREY, times[0])
-            self._add(topics.INFRARED, picture, times[0])
-        self._add(topics.POSE, pose_in_frame(burst.T_world_cam, now), now)
-        self._add(topics.TRANSFORM, frame_transform(burst.T_world_cam, now), now)
+            picture = raw_image(grey_bytes(infrared), infrared.shape[::-1], GREY_8, times[0])
+            self._add(topics.INFRARED_TOPIC, picture, times[0])
+        self._add(topics.POSE_TOPIC, pose_in_frame(burst.T_world_cam, now), now)
+        self._add(topics.TRANSFORM_TOPIC, frame_transform(burst.T_world_cam, now), now)
         facts = {
             "index": self._bursts,
             "n_frames": len(burst.depths),
@@ -104,26 +92,26 @@ class RecordingWriter:
             "times_ns": times,
             "motion_s": motion_s,
         }
-        self._add(topics.BURST, facts, now)
+        self._add(topics.BURST_TOPIC, facts, now)
         self._bursts += 1
         self._to_disk()
 
     def reachability(self, poses: Sequence[RigidTransform], reachable: Sequence[bool]) -> None:
         """Add what the arm said of these poses; on disk with the next burst."""
         said = {"poses": [matrix_rows(T) for T in poses], "reachable": list(reachable)}
-        self._add(topics.REACHABILITY, said, self._clock())
+        self._add(topics.REACHABILITY_TOPIC, said, self._clock())
 
     def decision(self, decision: Mapping[str, Any], planning_s: Mapping[str, float], sensing_s: float) -> None:
         """Add the planner's decision at the last burst, as `decision_of` has it, and how long it took [s]."""
         now = self._clock()
-        self._add(topics.DECISION, decision, now)
+        self._add(topics.DECISION_TOPIC, decision, now)
         times = {"index": decision["index"], "planning_s": dict(planning_s), "sensing_s": sensing_s}
-        self._add(topics.TIMES, times, now)
+        self._add(topics.TIMES_TOPIC, times, now)
         self._to_disk()
 
     def stop(self, reason: str) -> None:
         """Say that the run came to its end, and by which rule."""
-        self._add(topics.STOP, {"reason": reason}, self._clock())
+        self._add(topics.STOP_TOPIC, {"reason": reason}, self._clock())
 
     def close(self) -> None:
         """End the file with its index."""
