@@ -21,13 +21,13 @@ from typing import Any
 
 import apsw
 import numpy as np
-from jaxtyping import UInt16
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.rosbag1 import ReaderError as Bag1Error
 from rosbags.rosbag2 import ReaderError as Bag2Error
 from rosbags.typesys import Stores, TypesysError, get_typestore
 from scipy.spatial.transform import RigidTransform
 
+from franbv.adapters.recording.bag_choices import BagChoices, Reduce
 from franbv.adapters.recording.bag_facts import DEVICE, Facts, facts_of
 from franbv.adapters.recording.bag_images import (
     PACKED_DEPTH,
@@ -54,28 +54,6 @@ MALFORMED_BAG = (
     TypeError, AttributeError, OverflowError, EOFError, RuntimeError, MemoryError, AssertionError, struct.error,
 )  # fmt: skip
 """What rosbags raises when it takes a damaged file apart, its assertions among it."""
-
-
-Reduce = Callable[[UInt16[np.ndarray, "n h w"], Intrinsics], tuple[UInt16[np.ndarray, "n h2 w2"], Intrinsics]]
-"""(16-bit frames, their intrinsics) -> those that the planner is to see: decimated, cropped."""
-
-
-@dataclass(frozen=True)
-class BagChoices:
-    """What a recording that is not ours may leave open."""
-
-    n_frames: int = 15
-    """Frames of a burst [-]."""
-    depth_topic: str | None = None
-    pose_topic: str | None = None
-    world_frame: str | None = None
-    """Transforms: the frame in which the object stands on the plane z = 0."""
-    poses: Path | None = None
-    """File of poses, see `read_poses`; or our recording of the same run, which then says what was decided, too."""
-    min_z: float | None = None
-    """Smallest Z-depth that the camera can measure [m]."""
-    reduced: Reduce | None = None
-    """How frames are made smaller; None: as they are."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from franbv.adapters.recording.depth_codes import METRES_32, STEPS_16, PIXEL_TYPES
+from franbv.adapters.recording.depth_codes import METRES_32, PIXEL_TYPES, STEPS_16
 from franbv.adapters.recording.forms import NS_PER_S
 from franbv.adapters.recording.messages import MOST_SIDE
 from franbv.adapters.recording.png_image import png_image

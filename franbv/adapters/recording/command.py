@@ -9,9 +9,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from franbv.adapters.recording.bag_choices import BagChoices
 from franbv.adapters.recording.contents import Recording, RecordingError
 from franbv.adapters.recording.decisions import decision_of
-from franbv.adapters.recording.opening import open_recording, record_extra
+from franbv.adapters.recording.opening import open_recording
 from franbv.adapters.recording.replay import Replay, replay
 from franbv.parameters import Parameters
 from franbv.planners import PLANNERS
@@ -40,12 +41,9 @@ def add_recording_commands(commands: Any) -> None:
 
 def replay_recording(flags: argparse.Namespace) -> int:
     """Replay; exit status 0. RecordingError for bad input."""
-    with record_extra():
-        from franbv.adapters.recording.bag import BagChoices
-
-        n_frames = flags.n_frames or Parameters().n_frames
-        named = flags.depth_topic, flags.pose_topic, flags.world_frame
-        choices = BagChoices(n_frames, *named, flags.poses, flags.min_z)
+    n_frames = flags.n_frames or Parameters().n_frames
+    named = flags.depth_topic, flags.pose_topic, flags.world_frame
+    choices = BagChoices(n_frames, *named, flags.poses, flags.min_z)
     recording = open_recording(flags.recording, choices)
     for notice in recording.notices:
         sys.stderr.write(f"{notice}\n")

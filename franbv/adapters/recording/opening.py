@@ -3,12 +3,9 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from franbv.adapters.recording.bag_choices import BagChoices
 from franbv.adapters.recording.contents import Recording, RecordingError
-
-if TYPE_CHECKING:
-    from franbv.adapters.recording.bag import BagChoices
 
 KINDS = (".mcap", ".db3", ".bag")
 """Suffixes of the files that can be read; a folder of rosbag2 can, too."""
@@ -27,7 +24,7 @@ def record_extra() -> Iterator[None]:
         raise RecordingError(f"recordings need the package {error.name}; pip install 'franbv[record]'") from error
 
 
-def open_recording(path: Path, choices: "BagChoices | None" = None) -> Recording:
+def open_recording(path: Path, choices: BagChoices | None = None) -> Recording:
     """The recording; choices: what one that is not ours leaves open."""
     if not path.exists():
         raise RecordingError(f"{path}: no such file; give a recording")
@@ -39,7 +36,7 @@ def open_recording(path: Path, choices: "BagChoices | None" = None) -> Recording
             from franbv.adapters.recording.mcap_recording import read_recording
 
             return read_recording(path)
-        from franbv.adapters.recording.bag import BagChoices, read_bag
+        from franbv.adapters.recording.bag import read_bag
 
         return read_bag(path, choices or BagChoices())
 

@@ -47,6 +47,8 @@ class Replay:
     """Where the planner first decided otherwise than in the recording; None: nowhere, or that holds no decisions."""
     n_decisions: int
     """Decisions that the recording holds [-]."""
+    bursts: tuple[int, ...]
+    """Number of the recorded burst of each acquisition."""
     proposals: tuple[Proposal, ...] = ()
     """Open-loop: where the planner would have gone from each burst."""
 
@@ -84,9 +86,10 @@ def replay(
     if ended is not None:
         for acquisition in seen:
             observe(acquisition)
-        return Replay(ended, "closed_loop", difference, len(recording.decisions))
+        return Replay(ended, "closed_loop", difference, len(recording.decisions), tuple(tape.given))
     run, proposals = open_loop(recording, planner, parameters, seed, tape.reachable, observe)
-    return Replay(run, "open_loop", difference, len(recording.decisions), proposals)
+    bursts = tuple(range(len(recording.bursts)))
+    return Replay(run, "open_loop", difference, len(recording.decisions), bursts, proposals)
 
 
 def check_frames(recording: Recording, parameters: Parameters) -> None:

@@ -6,8 +6,9 @@ with RecordingWriter(path, run, camera_facts) as writer:
     watch.stop(run.stop)
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import UInt8
@@ -15,7 +16,6 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.acquisition import Acquisition
 from franbv.adapters.recording.decisions import decision_of
-from franbv.adapters.recording.writer import RecordingWriter
 from franbv.frames import Intrinsics
 from franbv.sensing import Arm, DepthBurst, DepthCamera
 from franbv.stopping import StopReason
@@ -24,12 +24,35 @@ InfraredOf = Callable[[int], UInt8[np.ndarray, "h w"] | None]
 """Number of a burst -> left infrared image of its first frame, None if there is none."""
 
 
+TimesOf = Callable[[int], Sequence[int] | None]
+"""Number of a burst -> when each of its frames was taken [ns], None where only the wall's clock knows."""
+
+
+@runtime_checkable
+class RecordingSink(Protocol):
+    """Where a run is written: `franbv.adapters.recording.writer.RecordingWriter`, which loads the extra `record`."""
+
+    def burst(
+        self,
+        burst: DepthBurst,
+        T_asked: RigidTransform,
+        motion_s: float,
+        infrared: UInt8[np.ndarray, "h w"] | None,
+        times_ns: Sequence[int] | None,
+    ) -> None: ...
+    def reachability(self, poses: Sequence[RigidTransform], reachable: Sequence[bool]) -> None: ...
+    def decision(self, decision: Mapping[str, Any], planning_s: Mapping[str, float], sensing_s: float) -> None: ...
+    def stop(self, reason: str) -> None: ...
+
+
 @dataclass
 class Watch:
     """What ties one run to one recording."""
 
-    writer: RecordingWriter
+    writer: RecordingSink
     infrared_of: InfraredOf = lambda number: None
+    """Asked after each burst."""
+    times_of: TimesOf = lambda number: None
     """Asked after each burst."""
     motion_s: float = field(default=0.0, init=False)
     """Time of the last move [s]."""
@@ -57,7 +80,8 @@ class Watch:
     def burst(self, T_asked: RigidTransform, burst: DepthBurst) -> None:
         """Write a burst, and what the arm was asked before it."""
         self._write_reachability()
-        self.writer.burst(burst, T_asked, self.motion_s, self.infrared_of(self._bursts))
+        number = self._bursts
+        self.writer.burst(burst, T_asked, self.motion_s, self.infrared_of(number), self.times_of(number))
         self._bursts += 1
 
     def asked(self, T_world_cam: RigidTransform, reachable: bool) -> None:
