@@ -11,7 +11,8 @@ from franbv.parameters import Parameters
 class StopReason(StrEnum):
     """The rule that ended a run; its value is what results hold.
 
-    The first two are the paper's (section VI), the third is needed because an arm may reach none of the candidates.
+    The first two are the paper's (section VI), the third is needed because an arm may reach none of the candidates, the
+    fourth ends replays alone.
     """
 
     MAX_ITERATIONS = "max_iterations"
@@ -20,6 +21,8 @@ class StopReason(StrEnum):
     """The best utility has stopped changing."""
     NO_REACHABLE_VIEW = "no_reachable_view"
     """The arm reaches none of the candidates."""
+    RECORDING_ENDED = "recording_ended"
+    """A replay has used up the recorded bursts."""
 
 
 def stop_reason(best_utilities: Sequence[float], parameters: Parameters) -> StopReason | None:

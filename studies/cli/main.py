@@ -16,6 +16,7 @@ COMMANDS = {
     "frame": ("studies.cli.frame", "Take one frame of a part and write every layer of it, truth included."),
     "match": ("studies.cli.match", "Match a real infrared pair; score the depth against a reference."),
     "reconstruct": ("studies.cli.reconstruct", "Reconstruct a part view by view and report how it went."),
+    "replay": ("studies.cli.replay", "Detect and plan on a recording, with no robot."),
     "study sensitivity": (
         "studies.sensitivity.command",
         "Which materials and angles break the depth, the detector and the recovery.",

@@ -1,6 +1,13 @@
 """`franbv reconstruct`: a part from the first view to the last, its result and its report; once or from many starts."""
 
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
 from materials.input_error import InputError
+from studies.base.case_folder import case_digest, finished_case
 from studies.base.console import say, say_json, warn
 from studies.base.flags import StartsCommand, parse_wider_command
 from studies.base.output_errors import prepare_output
@@ -23,8 +30,13 @@ _PROGRAM = f"franbv {RUN_COMMAND}"
 _HELP = "Reconstruct a part with a next-best-view planner, from the first view until a stop rule ends the run."
 
 
-ReconstructCommand = StartsCommand[ReconstructSettings]
-"""The flags of `franbv reconstruct`."""
+@dataclass(frozen=True)
+class ReconstructCommand(StartsCommand[ReconstructSettings]):
+    """The flags of `franbv reconstruct`."""
+
+    record: Annotated[Path | None, tyro.conf.arg(metavar="FILE.mcap")] = None
+    """Record the run: every burst, pose and decision, for `franbv replay` and other people's tools. Needs the extra
+    `record`."""
 
 
 def run(args: list[str]) -> int:
@@ -42,6 +54,8 @@ def check_starts(command: ReconstructCommand) -> None:
     """InputError for a number of starts that there cannot be, and for a folder that belongs to something else."""
     if command.starts < 1:
         raise InputError(f"--starts {command.starts}: there must be a run to make; give 1 or more")
+    if command.starts > 1 and command.record is not None:
+        raise InputError("--record is for one run; leave out --starts, or give each start's command by itself")
     if command.starts == 1 and command.workers is not None:
         raise InputError("--workers is for many starts; give --starts as well, or leave it out")
     for name in STUDIES:
@@ -49,10 +63,29 @@ def check_starts(command: ReconstructCommand) -> None:
             raise InputError(f"{command.out}: holds a study ({name}); choose another --out for the starts")
 
 
+def check_record(command: ReconstructCommand, config: ReconstructSettings) -> None:
+    """InputError for a recording that could not be made, before anything is rendered."""
+    if command.record is None:
+        return
+    if command.record.suffix != ".mcap":
+        raise InputError(f"--record {command.record}: recordings are MCAP; give a file FILE.mcap")
+    if command.record.exists():
+        raise InputError(f"{command.record}: is there already, and is never written over; name another file")
+    if finished_case(command.out, case_digest(RUN_COMMAND, config)) is not None:
+        raise InputError(f"{command.out}: holds this very run already; choose another --out to make and record it")
+
+
 def run_once(command: ReconstructCommand, subject: Subject) -> int:
     """One run from the start that the settings name."""
     config = resolved_run(command.settings)
-    case, found = made_once(RUN_COMMAND, config, command.out, FILES, lambda folder: simulate(folder, config, subject))
+    check_record(command, config)
+    case, found = made_once(
+        RUN_COMMAND,
+        config,
+        command.out,
+        FILES,
+        lambda folder: simulate(folder, config, subject, record=command.record),
+    )
     stored = StoredRun(case)
     say(f"{stored.run['title']}: {run_paragraph(stored.run, stored.timings)}")
     say(f"{'Found' if found else 'Written'}: {case}\nReport: {case / REPORT}")

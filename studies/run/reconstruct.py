@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import UInt8
 from scipy.spatial.transform import RigidTransform
 
+from franbv.adapters.recording.contents import CameraFacts
 from franbv.parameters import Parameters
 from franbv.sensing import DepthBurst
 from materials.input_error import InputError
@@ -16,6 +17,7 @@ from render.world.visibility import seen_from_above
 from scenes.reference_points import part_box
 from scenes.scene import Scene
 from studies.run.bursts import KeptCaptures, Take
+from studies.run.recording import recording_of
 from studies.run.reference import reference_surface
 from studies.run.run_case import RunSettings, ablated, write_run
 from studies.run.scene_settings import Subject, SubjectSettings, mounted, resolved
@@ -41,8 +43,12 @@ def simulate(
     subject: Subject,
     watched: bool = True,
     shared: SharedCaptures | None = None,
+    record: Path | None = None,
 ) -> None:
-    """Run the loop with the simulated camera and arm; `watched` as in `write_run`, `shared` as in `KeptCaptures`."""
+    """Run the loop with the simulated camera and arm; `watched` as in `write_run`, `shared` as in `KeptCaptures`.
+
+    record: file to record the run in.
+    """
     camera = SimulatedD435i(subject.scene, config.sensor, config.seed)
     captures = KeptCaptures(take_with(camera), camera.intrinsics, camera.min_z, folder, shared)
     reference = reference_surface(subject.scene, lambda points, normals: seen_from_above(camera.world, points, normals))
@@ -52,7 +58,9 @@ def simulate(
         roll_deg=config.sensor.mount_roll_deg,
         fixtures=subject.scene.fixtures,
     )
-    write_run(folder, config, subject.title, captures, arm, reference, watched)
+    facts = CameraFacts(captures.intrinsics, captures.min_z, camera.settings.depth.unit, config.sensor.model)
+    with recording_of(record, config, subject.title, facts, folder, config.sensor.model_dump(mode="json")) as watch:
+        write_run(folder, config, subject.title, captures, arm, reference, watched, watch)
 
 
 def take_with(camera: SimulatedD435i) -> Take:

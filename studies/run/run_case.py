@@ -1,11 +1,13 @@
 """Runs the loop with any camera and arm, and writes everything that a reconstruction leaves."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
 from pydantic import Field, model_validator
 
 from franbv.acquisition import Acquisition, Reconstruction
+from franbv.adapters.recording.watched import Watch
 from franbv.evaluation.reference import Reference
 from franbv.parameters import Parameters
 from franbv.planners import PlannerName
@@ -15,6 +17,7 @@ from studies.base.atomic_file import write_atomically
 from studies.base.case_folder import case_digest
 from studies.base.config import Config
 from studies.base.console import progress_bar, strict_json
+from studies.base.numbers_as_text import percent
 from studies.run.ablation import Ablation, build_planner
 from studies.run.acquisition_table import ACQUISITION_COLUMNS, MAP_COVERAGE
 from studies.run.bursts import KeptCaptures
@@ -68,16 +71,19 @@ def write_run(
     title: str,
     captures: KeptCaptures,
     arm: Arm,
-    reference: Reference,
+    reference: Reference | None,
     watched: bool = True,
+    watch: Watch | None = None,
 ) -> None:
     """Run the loop and write its result, its timings and its report into the case's folder.
 
     config: as `ablated` gives it.
+    reference: the true surface; None where nobody knows it.
     watched: whether to show a progress display of this run.
+    watch: what records the run, if anything does.
     """
     recorder = RunRecorder(reference, config.parameters)
-    result = _observed_run(folder, config, captures, arm, recorder, watched)
+    result = _observed_run(folder, config, captures, arm, recorder, watched, watch)
     write_result(folder, config, title, result, reference, recorder)
     times = [
         {"sensing": sensing, **acquisition.planning_s}
@@ -94,10 +100,15 @@ def write_result(
     config: RunSettings,
     title: str,
     result: Reconstruction,
-    reference: Reference,
+    reference: Reference | None,
     recorder: RunRecorder,
+    command: str = RUN_COMMAND,
+    more: Mapping[str, Any] | None = None,
 ) -> None:
-    """Write everything that two runs of one configuration have in common, byte for byte."""
+    """Write everything that two runs of one configuration have in common, byte for byte.
+
+    command: that makes such cases; more: further facts for `run.json`.
+    """
     owner, past = cloud_owner(result), recorder.history()
     write_ply(folder / CLOUD, result.cloud, owner)
     write_ply(folder / FILTERED_CLOUD, result.cloud[result.is_mapped], owner[result.is_mapped])
@@ -105,32 +116,46 @@ def write_result(
     write_rows(folder / ACQUISITIONS, ACQUISITION_COLUMNS, recorder.rows)
     facts: dict[str, Any] = {
         "format": RUN_FORMAT,
-        "command": RUN_COMMAND,
-        "case": case_digest(RUN_COMMAND, config),
+        "command": command,
+        "case": case_digest(command, config),
         "title": title,
         "config": config.model_dump(mode="json"),
         "versions": versions(),
-        "surface_points": len(reference.points),
+        "surface_points": 0 if reference is None else len(reference.points),
         "summary": run_summary(result, past, reference),
+        **(more or {}),
     }
     write_atomically(folder / RUN, strict_json(facts, indent=1).encode())
 
 
 def _observed_run(
-    folder: Path, config: RunSettings, captures: KeptCaptures, arm: Arm, recorder: RunRecorder, watched: bool
+    folder: Path,
+    config: RunSettings,
+    captures: KeptCaptures,
+    arm: Arm,
+    recorder: RunRecorder,
+    watched: bool,
+    watch: Watch | None,
 ) -> Reconstruction:
-    """Run the loop under a progress display."""
+    """Run the loop under a progress display, and write the recording, if there is to be one."""
     with progress_bar(watched) as progress:
         task = progress.add_task("first view", total=config.parameters.max_iterations)
 
         def observe(acquisition: Acquisition) -> None:
             write_view(folder, acquisition.index, recorder.observe(acquisition))
-            coverage = 100 * recorder.rows[-1][MAP_COVERAGE]
+            if watch is not None:
+                watch.observe(acquisition)
+            covered = percent(recorder.rows[-1][MAP_COVERAGE])
             progress.update(
                 task,
                 completed=acquisition.nbv_iteration,
-                description=f"acquisition {acquisition.index + 1}, coverage {coverage:.0f} %, NBV iteration",
+                description=f"acquisition {acquisition.index + 1}, coverage {covered}, NBV iteration",
             )
 
         planner = build_planner(config.planner, config.ablation)
-        return reconstruct(captures, arm, planner, config.parameters, config.seed, config.azimuth_deg, observe)
+        camera = captures if watch is None else watch.camera(captures)
+        arm = arm if watch is None else watch.arm(arm)
+        run = reconstruct(camera, arm, planner, config.parameters, config.seed, config.azimuth_deg, observe)
+        if watch is not None:
+            watch.stop(run.stop)
+        return run

@@ -41,7 +41,7 @@ def report_html(stored: StoredRun) -> str:
             summary=run["summary"],
             paragraph=run_paragraph(run, stored.timings),
             tiles=list(run_tiles(run["summary"], stored.timings)),
-            coverage=coverage_figure(rows),
+            coverage=coverage_figure(rows) if run["surface_points"] else None,
             acquisitions=list(zip(rows, strips, strict=True)),
             recoveries=sum(row["kind"] == RECOVERY for row in rows),
             sensing=timing_figure(stages, [SENSING], "Sensing [s]"),
@@ -57,7 +57,21 @@ def report_html(stored: StoredRun) -> str:
 
 
 def run_tiles(summary: Mapping[str, Any], timings: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """Headline figures: value, name, what it is measured against."""
+    """Headline figures: value, name, what it is measured against. Without a known surface nothing is told from one."""
+    known = summary[MAP_COVERAGE] is not None
+    if known:
+        yield from _surface_tiles(summary)
+    else:
+        yield "unknown", "coverage", "nobody has told the true surface"
+    yield str(summary["acquisitions"]), "acquisitions", f"in {summary['nbv_iterations']} NBV iterations"
+    activations = summary["recovery_activations"]
+    name = "recovery activation" if activations == 1 else "recovery activations"
+    change = f"their views: {100 * summary['recovery_contribution']:+.1f} points of the map's coverage" if known else ""
+    yield str(activations), name, change or f"and {summary['recovery_acquisitions']} views for them"
+    yield f"{timings['wall_s']:.0f} s", "wall time", "sensing, planning and evaluation"
+
+
+def _surface_tiles(summary: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
     yield percent(summary[MAP_COVERAGE]), "coverage of the map", "visible surface that the final map holds, at 5 mm"
     yield percent(summary[RAW_COVERAGE]), "raw coverage", "the same by all points ever seen, refuted ones too"
     yield (
@@ -66,12 +80,6 @@ def run_tiles(summary: Mapping[str, Any], timings: Mapping[str, Any]) -> Iterato
         f"mean distance to the surface; median {number(summary['accuracy_median_mm'], '.1f')} mm",
     )
     yield number(summary["f_score"], ".2f"), "F-score", "coverage against share of true points, at 5 mm"
-    yield str(summary["acquisitions"]), "acquisitions", f"in {summary['nbv_iterations']} NBV iterations"
-    change = f"{100 * summary['recovery_contribution']:+.1f}"
-    activations = summary["recovery_activations"]
-    name = "recovery activation" if activations == 1 else "recovery activations"
-    yield str(activations), name, f"their views: {change} points of the map's coverage"
-    yield f"{timings['wall_s']:.0f} s", "wall time", "sensor simulation, planning and evaluation"
 
 
 def flattened(config: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:

@@ -60,7 +60,7 @@ def _view(row: Mapping[str, Any], view: StoredView) -> dict[str, Any]:
         "kind": row["kind"],
         "iteration": row["iteration"],
         "activation": row["activation"],
-        "coverage": round(row[MAP_COVERAGE], 5),
+        "coverage": None if row[MAP_COVERAGE] is None else round(row[MAP_COVERAGE], 5),
         "camera": packed(frustum(view)),
         "ellipsoids": packed(ellipsoid_rows(view)),
         "frontier": [int(is_frontier) for is_frontier in view.ellipsoid_is_frontier],

@@ -183,10 +183,11 @@
     if (layers.regions.checked) drawRegions(view);
     if (layers.cameras.checked) drawCameras(now);
     drawScaleBar();
+    const known = view.coverage !== null;
     const gain = 100 * (view.coverage - (now ? views[now - 1].coverage : 0));
     const recovery = view.kind === "recovery" ? ` (activation ${view.activation})` : "";
     caption.textContent = `Acquisition ${now + 1} of ${views.length}: ${KIND_NAME[view.kind]}${recovery}, NBV iteration ${view.iteration}. ` +
-      `Coverage ${(100 * view.coverage).toFixed(1)} % (${gain >= 0 ? "+" : ""}${gain.toFixed(1)}).`;
+      (known ? `Coverage ${(100 * view.coverage).toFixed(1)} % (${gain >= 0 ? "+" : ""}${gain.toFixed(1)}).` : "");
   }
 
   let waiting = false;

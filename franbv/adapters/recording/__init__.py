@@ -1,0 +1,1 @@
+"""Recordings of runs: written while they last, read back, replayed without a robot."""

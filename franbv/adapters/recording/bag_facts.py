@@ -1,0 +1,122 @@
+"""What a ROS or librealsense recording says of its camera: calibration, device, options, times of frames.
+
+librealsense's topics (its src/media/ros/ros_file_format.h): /device_N/info, /device_N/sensor_M/option/NAME/value,
+/device_N/sensor_M/STREAM/image/metadata. Its .db3 has text `key=value;...` where its .bag has typed messages.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from franbv.adapters.recording.forms import intrinsics_of
+from franbv.adapters.recording.messages import MOST_SIDE
+from franbv.frames import Intrinsics
+
+CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
+DEVICE = re.compile(r"(?P<device>/device_\d+)(?P<sensor>/sensor_\d+)/(?P<stream>[^/]+)/")
+OPTION = re.compile(r"/option/(?P<name>[^/]+)/value$")
+N_SHIFTS = 126
+"""Disparities that the D4 searches [px]: Min-Z = f B / 126 (D400 datasheet, section 4.4)."""
+MM_PER_M = 1000.0
+UNITS_OPTION, BASELINE_OPTION, SHIFT_OPTION = "depth_units", "stereo_baseline", "disparity_shift"
+"""Options by librealsense's names; the baseline is in millimetres."""
+
+
+@dataclass
+class Facts:
+    """All that was found."""
+
+    intrinsics: Intrinsics | None = None
+    options: dict[str, float | str] = field(default_factory=dict)
+    """Of the sensor that the depth is of, by their names in lower case."""
+    model: str | None = None
+    serial: str | None = None
+    firmware: str | None = None
+    times_ns: dict[int, int] = field(default_factory=dict)
+    """Time by which the file finds a frame -> when it was taken, where metadata say so [ns]."""
+
+    @property
+    def depth_unit(self) -> float | None:
+        """Depth of a step [m], None where nothing is said."""
+        unit = self.options.get(UNITS_OPTION)
+        return unit if isinstance(unit, float) and unit > 0 else None
+
+    @property
+    def min_z(self) -> float | None:
+        """Smallest Z-depth of a stereo camera [m], None where nothing is said."""
+        baseline, shift = self.options.get(BASELINE_OPTION), self.options.get(SHIFT_OPTION, 0.0)
+        if self.intrinsics is None or not isinstance(baseline, float) or baseline == 0 or not isinstance(shift, float):
+            return None
+        return self.intrinsics.fx * abs(baseline) / MM_PER_M / (N_SHIFTS + shift)
+
+
+def facts_of(reader: Any, depth_topic: str) -> Facts:
+    """Read them from an open recording; ValueError where a calibration is none."""
+    facts = Facts()
+    place = DEVICE.match(depth_topic)
+    wanted = [c for c in reader.connections if _is_fact(c.topic, place)]
+    for connection, time_ns, raw in _messages(reader, wanted):
+        pairs = _pairs(reader.deserialize(raw, connection.msgtype))
+        if connection.topic.endswith("/image/metadata"):
+            if "timestamp" in pairs:
+                facts.times_ns[time_ns] = round(float(pairs["timestamp"]) * 1e6)  # from milliseconds
+        elif option := OPTION.search(connection.topic):
+            facts.options[option["name"].lower().replace(" ", "_")] = _number(pairs.get("", ""))
+        else:
+            facts.model = pairs.get("Name", facts.model)
+            facts.serial = pairs.get("Serial Number", facts.serial)
+            facts.firmware = pairs.get("Firmware Version", facts.firmware)
+    facts.intrinsics = _intrinsics(reader, depth_topic)
+    return facts
+
+
+def _is_fact(topic: str, place: re.Match[str] | None) -> bool:
+    if place is None:
+        return False
+    sensor = place["device"] + place["sensor"]
+    stream = f"{sensor}/{place['stream']}"
+    is_option = topic.startswith(f"{sensor}/option/") and OPTION.search(topic) is not None
+    return is_option or topic in (f"{place['device']}/info", f"{stream}/image/metadata")
+
+
+def _intrinsics(reader: Any, depth_topic: str) -> Intrinsics | None:
+    """Of the calibration whose topic has most of its name in common with the images'."""
+    beside = [c for c in reader.connections if c.msgtype == CAMERA_INFO]
+    if not beside:
+        return None
+    nearest = max(beside, key=lambda c: _in_common(c.topic, depth_topic))
+    for connection, _, raw in _messages(reader, [nearest]):
+        said = reader.deserialize(raw, connection.msgtype)
+        if not (0 < said.width <= MOST_SIDE and 0 < said.height <= MOST_SIDE):
+            raise ValueError(f"{nearest.topic} is of {said.width} x {said.height} px")
+        return intrinsics_of(said.width, said.height, said.K if hasattr(said, "K") else said.k)
+    return None
+
+
+def _in_common(one: str, other: str) -> int:
+    """How many parts of a topic's name agree, from the first on."""
+    agree = [a == b for a, b in zip(one.split("/"), other.split("/"), strict=False)]
+    return agree.index(False) if False in agree else len(agree)
+
+
+def _messages(reader: Any, connections: list[Any]) -> Iterator[tuple[Any, int, bytes]]:
+    """Of these connections alone; rosbags takes none for all."""
+    return reader.messages(connections) if connections else iter(())
+
+
+def _pairs(message: Any) -> dict[str, str]:
+    """Keys and values of a message; the key of a lone value is empty."""
+    if hasattr(message, "key"):
+        return {message.key: message.value}
+    text = str(message.data)
+    if "=" not in text:
+        return {"": text}
+    return dict(part.split("=", 1) for part in text.split(";") if "=" in part)
+
+
+def _number(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text

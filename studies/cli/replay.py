@@ -1,0 +1,80 @@
+"""`franbv replay`: detection and planning on a recording, with no robot; the report of a reconstruction made of it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from franbv.adapters.recording.command import REPLAY_FILE
+from franbv.adapters.recording.opening import is_ours
+from studies.base.config import check_finite
+from studies.base.console import say, say_json, warn
+from studies.base.flags import parse
+from studies.base.single_case import made_once
+from studies.run.replayed import (
+    REPLAY_COMMAND,
+    ReplaySettings,
+    opened_recording,
+    resolved_replay,
+    settings_of,
+    write_replayed,
+)
+from studies.run.sentences import replay_words, run_paragraph
+from studies.run.stored_run import ACQUISITIONS, CLOUD, FILTERED_CLOUD, REPORT, RUN, TIMINGS, StoredRun
+
+REPLAY_FILES = (REPORT, RUN, REPLAY_FILE, ACQUISITIONS, TIMINGS, CLOUD, FILTERED_CLOUD)
+"""What the output folder itself shows of the case."""
+_PROGRAM = f"franbv {REPLAY_COMMAND}"
+_HELP = "Detect reflective regions and plan on a recording (.mcap, .db3, .bag, a folder of rosbag2), with no robot."
+
+
+@dataclass(frozen=True)
+class ReplayCommand:
+    """The flags of `franbv replay`."""
+
+    recording: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING")]
+    """File or folder."""
+    settings: Annotated[ReplaySettings, tyro.conf.arg(name="")]
+    out: Path
+    """Output folder. The case gets a folder of its own in it; the same command finds a finished case there."""
+    json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Print one JSON object as the last line of stdout."""
+
+
+def run(args: list[str]) -> int:
+    """Replay, unless the finished case is there already; then say how the decisions compare with the recorded ones."""
+    command = _parsed(args)
+    recording = opened_recording(command.recording, command.settings)
+    for notice in recording.notices:
+        warn(f"{_PROGRAM}: {notice}")
+    config = resolved_replay(command.settings, command.recording)
+    case, found = made_once(
+        REPLAY_COMMAND, config, command.out, REPLAY_FILES, lambda folder: write_replayed(folder, config, recording)
+    )
+    stored = StoredRun(case)
+    say(f"{stored.run['title']}: {run_paragraph(stored.run, stored.timings)} {replay_words(stored.run['replay'])}")
+    say(f"{'Found' if found else 'Written'}: {case}\nReport: {case / REPORT}")
+    if command.json:
+        say_json({"folder": str(case), **_figures(stored)})
+    return 0
+
+
+def _parsed(args: list[str]) -> ReplayCommand:
+    """The flags over the settings of the recorded run."""
+    first = parse(ReplayCommand, args, _PROGRAM, _HELP, _defaults(ReplaySettings()))
+    if first.recording.is_dir() or not first.recording.exists() or not is_ours(first.recording):
+        command = first
+    else:
+        recorded = settings_of(opened_recording(first.recording, ReplaySettings()))
+        command = parse(ReplayCommand, args, _PROGRAM, _HELP, _defaults(recorded))
+    check_finite(command.settings, "the flags")
+    return command
+
+
+def _defaults(settings: ReplaySettings) -> ReplayCommand:
+    return ReplayCommand(recording=tyro.MISSING, settings=settings, out=tyro.MISSING)
+
+
+def _figures(stored: StoredRun) -> dict[str, Any]:
+    return {**stored.run["replay"], "summary": stored.run["summary"]}

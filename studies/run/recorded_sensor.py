@@ -1,0 +1,59 @@
+"""The sensor's settings of which a recording tells: exposure, gain, laser, preset, depth unit.
+
+Options by librealsense's names in lower case, with librealsense's units, which are those of the settings, too.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from franbv.adapters.recording.contents import Recording
+from materials.input_error import InputError
+from render.sensor import SensorSettings
+from studies.base.config import validated, validation_line
+
+IMAGER_OPTIONS = {"exposure": "exposure_us", "gain": "gain", "laser_power": "laser_power_mw"}
+"""Options with the imager's settings that they are about."""
+VISUAL_PRESETS = {1: "default", 2: "hand", 3: "high_accuracy", 4: "high_density", 5: "medium_density"}
+"""librealsense's numbers (`rs2_rs400_visual_preset`); 0 is a preset of the user's, of which no option tells."""
+MODELS = {"D435": "d435i", "D415": "d415"}
+"""What a device's name has in it, and the model that stands for it; the D435 has the D435i's imagers."""
+
+
+def sensor_of(recording: Recording) -> SensorSettings:
+    """The settings; what the recording does not tell has its default. InputError where a value is out of range."""
+    if recording.run.sensor:
+        return validated(SensorSettings, dict(recording.run.sensor), str(recording.path))
+    try:
+        return SensorSettings.model_validate(sensor_fields(recording))
+    except ValidationError as error:
+        raise InputError(validation_line(error, f"{recording.path}, options of the camera")) from None
+
+
+def sensor_fields(recording: Recording) -> dict[str, Any]:
+    """Fields of `SensorSettings` that the recording tells."""
+    options, camera = recording.options, recording.camera
+    fields: dict[str, Any] = {}
+    imager = {name: options[option] for option, name in IMAGER_OPTIONS.items() if option in options}
+    if options.get("emitter_enabled") == 0:
+        imager["laser_power_mw"] = 0.0
+    if imager:
+        fields["imager"] = imager
+    if "enable_auto_exposure" in options:
+        fields["auto_exposure"] = bool(options["enable_auto_exposure"])
+    if camera.depth_unit is not None:
+        fields["depth"] = {"unit": camera.depth_unit}
+    preset = _preset_name(options)
+    if preset is not None:
+        fields["preset"] = preset
+    models = [model for words, model in MODELS.items() if words in (camera.model or "").upper()]
+    return fields | ({"model": models[0]} if models else {})
+
+
+def _preset_name(options: Mapping[str, float | str]) -> str | None:
+    said = options.get("visual_preset")
+    if isinstance(said, str):
+        words = said.strip().lower().replace(" ", "_")
+        return words if words in VISUAL_PRESETS.values() else None
+    return None if said is None else VISUAL_PRESETS.get(int(said))

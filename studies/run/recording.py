@@ -1,0 +1,69 @@
+"""The recording of a run beside its case, in the form that real runs have, too (`franbv.adapters.recording`)."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import UInt8
+
+from franbv.adapters.recording.contents import CameraFacts, RecordingError, RunFacts
+from franbv.adapters.recording.opening import record_extra
+from franbv.adapters.recording.watched import Watch
+from materials.input_error import InputError
+from studies.run.bursts import infrared_path
+from studies.run.run_case import RunSettings
+from studies.store.images import read_png
+from studies.work.maker import versions
+
+
+@contextmanager
+def recording_errors() -> Iterator[None]:
+    """What is wrong with a recording, as bad input."""
+    try:
+        yield
+    except RecordingError as error:
+        raise InputError(str(error)) from error
+
+
+@contextmanager
+def recording_of(
+    file: Path | None,
+    config: RunSettings,
+    title: str,
+    camera: CameraFacts,
+    case: Path,
+    sensor: Mapping[str, Any],
+) -> Iterator[Watch | None]:
+    """What writes the run into the file; None where there is none. InputError where the file cannot be written.
+
+    case: folder that has the infrared images; sensor: the camera's settings.
+    """
+    if file is None:
+        yield None
+        return
+    with recording_errors():
+        with record_extra():
+            from franbv.adapters.recording.writer import RecordingWriter
+        with RecordingWriter(file, run_facts(config, title, sensor), camera) as writer:
+            yield Watch(writer, lambda number: _infrared(case, number))
+
+
+def run_facts(config: RunSettings, title: str, sensor: Mapping[str, Any]) -> RunFacts:
+    """What decides the run."""
+    return RunFacts(
+        title=title,
+        planner=config.planner,
+        parameters=config.parameters.model_dump(mode="json"),
+        seed=config.seed,
+        azimuth_deg=config.azimuth_deg,
+        ablation=config.ablation.model_dump(mode="json", exclude_defaults=True),
+        sensor=sensor,
+        versions=versions(),
+    )
+
+
+def _infrared(case: Path, number: int) -> UInt8[np.ndarray, "h w"] | None:
+    path = infrared_path(case, number)
+    return read_png(path) if path.exists() else None
