@@ -20,8 +20,7 @@ def run(args: Sequence[str]) -> int:
     try:
         return flags.run(flags)
     except (CameraError, RecordingError) as error:
-        sys.stderr.write(f"franbv.adapters: {' '.join(str(error).split())}
-")
+        sys.stderr.write(f"franbv.adapters: {' '.join(str(error).split())}\n")
         return 2
 
 
