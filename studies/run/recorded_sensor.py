@@ -15,9 +15,9 @@ from studies.base.config import validated, validation_line
 
 IMAGER_OPTIONS = {"exposure": "exposure_us", "gain": "gain", "laser_power": "laser_power_mw"}
 """Options with the imager's settings that they are about."""
-VISUAL_PRESETS = {1: "default", 2: "hand", 3: "high_accuracy", 4: "high_density", 5: "medium_density"}
+PRESET_NUMBERS = {1: "default", 2: "hand", 3: "high_accuracy", 4: "high_density", 5: "medium_density"}
 """librealsense's numbers (`rs2_rs400_visual_preset`); 0 is a preset of the user's, of which no option tells."""
-MODELS = {"D435": "d435i", "D415": "d415"}
+NAMED_MODELS = {"D435": "d435i", "D415": "d415"}
 """What a device's name has in it, and the model that stands for it; the D435 has the D435i's imagers."""
 
 
@@ -47,7 +47,7 @@ def sensor_fields(recording: Recording) -> dict[str, Any]:
     preset = _preset_name(options)
     if preset is not None:
         fields["preset"] = preset
-    models = [model for words, model in MODELS.items() if words in (camera.model or "").upper()]
+    models = [model for words, model in NAMED_MODELS.items() if words in (camera.model or "").upper()]
     return fields | ({"model": models[0]} if models else {})
 
 
@@ -55,5 +55,5 @@ def _preset_name(options: Mapping[str, float | str]) -> str | None:
     said = options.get("visual_preset")
     if isinstance(said, str):
         words = said.strip().lower().replace(" ", "_")
-        return words if words in VISUAL_PRESETS.values() else None
-    return None if said is None else VISUAL_PRESETS.get(int(said))
+        return words if words in PRESET_NUMBERS.values() else None
+    return None if said is None else PRESET_NUMBERS.get(int(said))

@@ -24,6 +24,7 @@ from studies.base.config import validated
 from studies.base.console import strict_json
 from studies.run.ablation import Ablation, build_planner
 from studies.run.bursts import infrared_path
+from studies.run.recorded_sensor import sensor_fields
 from studies.run.recorder import RunRecorder, timing_figures
 from studies.run.recording import recording_errors
 from studies.run.report.page import write_report
@@ -109,7 +110,8 @@ def write_replayed(folder: Path, config: ReplaySettings, recording: Recording) -
         write_replay(folder, found)
         _write_infrared(folder, recording, found)
     title = recording.run.title or recording.path.stem
-    write_result(folder, config, title, found.run, None, recorder, REPLAY_COMMAND, {"replay": replay_figures(found)})
+    more = {"replay": replay_figures(found), "recorded_sensor": sensor_fields(recording)}
+    write_result(folder, config, title, found.run, None, recorder, REPLAY_COMMAND, more)
     elapsed = time.perf_counter() - began, time.process_time() - processor
     timings = {**timing_figures(times, *elapsed), "acquisitions": times}
     write_atomically(folder / TIMINGS, strict_json(timings, indent=1).encode())

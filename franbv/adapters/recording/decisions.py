@@ -15,6 +15,8 @@ from franbv.reflective_regions import Detection
 EQUAL_TO = 1e-9
 """Numbers that differ by less, of themselves or absolutely, are the same decision. Choice: far above the rounding by
 which two processors differ, far below what moves a camera (1 nm)."""
+POSE_FIELD = "T_world_cam"
+"""Of a decision."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,8 @@ def first_difference(
         found = _difference(one, other, ())
         if found is not None:
             place, was, now = found
+            if place[0] == POSE_FIELD:  # one number of a pose says little
+                return DecisionDifference(k, "pose", one.get(POSE_FIELD), other.get(POSE_FIELD))
             return DecisionDifference(k, ".".join(place), was, now)
     if len(recorded) != len(replayed):
         return DecisionDifference(min(len(recorded), len(replayed)), "acquisitions", len(recorded), len(replayed))

@@ -8,9 +8,9 @@ loaded. The format is that of mcap.dev/spec; package `mcap` reads the fields. Ne
 import struct
 import zlib
 from collections.abc import Iterator
-from io import BytesIO
+from io import BufferedIOBase, BytesIO
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import NamedTuple
 
 import zstandard
 from mcap.data_stream import ReadDataStream
@@ -123,7 +123,7 @@ def chunk_at(path: Path, at: int) -> list[bytes]:
             raise _damaged(path, at, error) from error
 
 
-def _records(path: Path, file: BinaryIO, closed: bool) -> Iterator[McapRecord]:
+def _records(path: Path, file: BufferedIOBase, closed: bool) -> Iterator[McapRecord]:
     """Records up to the footer; of a file without an end, as many as are whole."""
     size = file.seek(0, 2)
     file.seek(0)
@@ -147,7 +147,7 @@ def _records(path: Path, file: BinaryIO, closed: bool) -> Iterator[McapRecord]:
         file.seek(at + RECORD_HEAD.size + len(record.data))
 
 
-def _record(file: BinaryIO, size: int) -> McapRecord | None:
+def _record(file: BufferedIOBase, size: int) -> McapRecord | None:
     """The record here, None where the file ends before it does; ValueError for one that is longer than any."""
     at = file.tell()
     head = file.read(RECORD_HEAD.size)
@@ -200,7 +200,7 @@ def _unpacked(chunk: Chunk) -> bytes:
     return data
 
 
-def _check_summary(file: BinaryIO, record: McapRecord) -> None:
+def _check_summary(file: BufferedIOBase, record: McapRecord) -> None:
     """ValueError where the index of a closed file is damaged."""
     footer = Footer.read(_stream(record.data))
     if not 0 < footer.summary_start <= record.at or record.at - footer.summary_start > MOST_RECORD_BYTES:

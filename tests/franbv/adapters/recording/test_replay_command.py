@@ -1,0 +1,62 @@
+"""`python -m franbv.adapters replay`: what a robot's computer has of it, and what it says of bad input."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT
+
+ALONE = """
+import sys
+from importlib.abc import MetaPathFinder
+
+class Absent(MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in set(sys.argv[1].split(",")):
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Absent())
+from franbv.adapters.__main__ import run
+sys.exit(run(sys.argv[2:]))
+"""
+NOT_ON_A_ROBOT = "render,scenes,materials,studies,mitsuba,drjit,trimesh,cv2,tyro,rich"
+
+
+def adapters(*args: object, absent: str = NOT_ON_A_ROBOT) -> subprocess.CompletedProcess[str]:
+    """The command in an interpreter that lacks some packages."""
+    command = [sys.executable, "-c", ALONE, absent, *map(str, args)]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+
+
+def test_replay_needs_the_planner_alone(recorded, tmp_path: Path):
+    """Without renderer, studies and what they need, the decisions are replayed, compared and written down."""
+    done = adapters("replay", recorded.path, "--json", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    figures = json.loads(done.stdout.splitlines()[-1])
+    n = len(recorded.run.acquisitions)
+    assert (figures["acquisitions"], figures["decisions"], figures["decisions_equal"]) == (n, n, True)
+    assert figures["first_difference"] is None
+    written = json.loads((tmp_path / "out" / "replay.json").read_text())
+    assert [decision["index"] for decision in written["replayed"]] == list(range(n))
+
+
+@pytest.mark.parametrize(
+    ("absent", "name", "words"),
+    [
+        ("mcap", "run.mcap", "need the package mcap; pip install 'franbv[record]'"),
+        ("rosbags", "a.db3", "need the package rosbags; pip install 'franbv[record]'"),
+        ("none", "none.mcap", "no such file"),
+    ],
+)
+def test_bad_input_is_one_line(recorded, tmp_path: Path, absent: str, name: str, words: str):
+    """A missing extra names itself; nothing else is said."""
+    path = recorded.path if name == recorded.path.name else tmp_path / name
+    if name.endswith("db3"):
+        path.touch()
+    done = adapters("replay", path, absent=absent)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert words in done.stderr
+    assert done.stderr.count("\n") == 1

@@ -1,0 +1,140 @@
+"""`franbv replay`: a recorded run again, its decisions compared, its report without a word of coverage."""
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from franbv.adapters.recording.contents import CameraFacts, Recording, RunFacts
+from materials.input_error import InputError
+from studies.cli.main import main
+from studies.cli.reconstruct import ReconstructCommand, check_record, check_starts
+from studies.run.bursts import KeptCaptures
+from studies.run.reconstruct import ReconstructSettings
+from studies.run.recorded_sensor import sensor_of
+from studies.run.recording import recording_of
+from studies.run.run_case import RunSettings, write_run
+from studies.run.stored_run import StoredRun
+from studies.store.tables import read_rows
+from tests.studies.run.analytic_ball import CAMERA, SETTINGS, Ball, FreeArm, ball_reference
+
+UNIT = 0.001
+SHORT = SETTINGS.model_copy(update={"parameters": SETTINGS.parameters.model_copy(update={"max_iterations": 2})})
+
+
+def record_ball(folder: Path, file: Path, settings: RunSettings = SHORT) -> None:
+    """A reconstruction of the ball, recorded."""
+    captures = KeptCaptures(Ball().take, CAMERA, 0.128, folder)
+    with recording_of(file, settings, "Ball", CameraFacts(CAMERA, 0.128, UNIT), folder, {}) as watch:
+        write_run(folder, settings, "Ball", captures, FreeArm(), ball_reference(), watched=False, watch=watch)
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """The case and its recording."""
+    folder = tmp_path_factory.mktemp("ball")
+    record_ball(folder, folder.parent / "ball.mcap")
+    return folder, folder.parent / "ball.mcap"
+
+
+@pytest.fixture(scope="module")
+def replayed(recorded: tuple[Path, Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The output folder of a replay."""
+    out = tmp_path_factory.mktemp("replayed")
+    assert main(["replay", str(recorded[1]), "--out", str(out), "--json"]) == 0
+    return out
+
+
+def test_the_replay_is_the_run(recorded: tuple[Path, Path], replayed: Path):
+    """Every decision is equal, and so is all that is stored of a run but what needs the true surface."""
+    made, again = StoredRun(recorded[0]), StoredRun(replayed / "latest")
+    found = again.run["replay"]
+    assert (found["mode"], found["decisions_equal"], found["first_difference"]) == ("closed_loop", True, None)
+    assert found["decisions"] == found["acquisitions"] == len(made.rows)
+    for one, other in zip(made.rows, again.rows, strict=True):
+        assert {k: v for k, v in one.items() if "coverage" not in k and "increment" not in k} == {
+            k: v for k, v in other.items() if "coverage" not in k and "increment" not in k
+        }
+    for name in ("cloud.ply", "cloud_filtered.ply"):
+        assert (replayed / name).read_bytes() == (recorded[0] / name).read_bytes()
+    for k in range(len(made.rows)):
+        one, other = made.infrared(k), again.infrared(k)
+        assert one is not None
+        assert other is not None
+        assert (one == other).all()
+
+
+def test_no_coverage_is_invented(replayed: Path):
+    """Without the true surface no column, figure or sentence has a number for it; the page says that it is unknown."""
+    rows = read_rows(replayed / "acquisitions.parquet")
+    assert all(row[name] is None for row in rows for name in row if "coverage" in name or "increment" in name)
+    summary = StoredRun(replayed / "latest").run["summary"]
+    assert summary["coverage_map_5mm"] is None
+    assert not {"accuracy_mm", "f_score", "recovery_contribution", "wrongly_free_share"} & set(summary)
+    page = (replayed / "report.html").read_text()
+    words = re.sub(r"<(script|style).*?</\1>", "", page, flags=re.DOTALL)
+    assert "how much of the surface that covers is unknown" in words
+    assert "nan" not in words.lower().split()
+    assert "n/a" not in words
+    assert '<h2 id="coverage"' not in words
+
+
+def test_a_changed_parameter_is_another_case_with_its_difference(
+    recorded: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    """Flags go over the recorded settings; what differs first is printed."""
+    args = ["replay", str(recorded[1]), "--out", str(tmp_path), "--json", "--parameters.max-iterations", "1"]
+    assert main(args) == 0
+    said = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert said["decisions_equal"] is False
+    assert said["first_difference"]["what"] == "acquisitions"
+    config = StoredRun(tmp_path / "latest").run["config"]
+    assert config["parameters"]["n_frames"] == SHORT.parameters.n_frames  # as recorded, not the default
+    assert main(args) == 0
+    assert "Found: " in capsys.readouterr().out
+
+
+def test_a_damaged_recording_is_bad_input(
+    recorded: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    """One line, exit status 2, and no case."""
+    data = bytearray(recorded[1].read_bytes())
+    data[len(data) // 2] ^= 1
+    path = tmp_path / "bad.mcap"
+    path.write_bytes(data)
+    for args in ([str(path)], [str(tmp_path / "none.mcap")]):
+        assert main(["replay", *args, "--out", str(tmp_path / "out")]) == 2
+        error = capsys.readouterr().err
+        assert error.startswith(f"franbv replay: {args[0]}: ")
+        assert error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_recording_that_cannot_be_made_is_refused_at_once(tmp_path: Path):
+    """Before anything is rendered: another kind of file, a file that is there, many starts."""
+    settings, there = ReconstructSettings(part="A"), tmp_path / "there.mcap"
+    there.touch()
+    for record, words in [(tmp_path / "a.bag", "recordings are MCAP"), (there, "is there already")]:
+        with pytest.raises(InputError, match=words):
+            check_record(ReconstructCommand(settings, tmp_path, record=record), settings)
+    with pytest.raises(InputError, match="--record is for one run"):
+        check_starts(ReconstructCommand(settings, tmp_path, starts=2, record=tmp_path / "a.mcap"))
+
+
+def test_the_sensor_of_a_recording():
+    """Options by librealsense's names become the settings that they are about; what is not said has its default."""
+    options: dict[str, Any] = {"exposure": 7000.0, "gain": 32.0, "laser_power": 210.0, "visual_preset": 3.0}
+    options |= {"enable_auto_exposure": 0.0, "emitter_enabled": 1.0}
+    found = sensor_of(_recording(options, "Intel RealSense D415"))
+    assert (found.model, found.preset, found.auto_exposure, found.depth.unit) == ("d415", "high_accuracy", False, UNIT)
+    assert (found.imager.exposure_us, found.imager.gain, found.imager.laser_power_mw) == (7000.0, 32.0, 210.0)
+    dark = sensor_of(_recording({"laser_power": 210.0, "emitter_enabled": 0.0, "visual_preset": "Hand"}, None))
+    assert (dark.imager.laser_power_mw, dark.preset, dark.model) == (0.0, "hand", "d435i")
+    with pytest.raises(InputError, match=r"options of the camera.*laser_power_mw"):
+        sensor_of(_recording({"laser_power": 1000.0}, None))
+
+
+def _recording(options: dict[str, Any], model: str | None) -> Recording:
+    return Recording(Path("a.db3"), RunFacts(), CameraFacts(CAMERA, 0.1, UNIT, model), (), options=options)
