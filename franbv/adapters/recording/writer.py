@@ -4,9 +4,10 @@ A burst is one or more chunks with checksums, its frames first and `BurstMessage
 leaves a file of which everything up to the last whole burst can be read. Needs the extra `record`.
 """
 
+import contextlib
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -39,7 +40,7 @@ class RecordingWriter:
 
         RecordingError where the file exists or cannot be made.
         """
-        self._path, self._camera, self._clock = path, camera, clock
+        self._path, self._camera, self._clock, self._failed = path, camera, clock, False
         try:
             self._file = path.open("xb")
         except FileExistsError:
@@ -114,14 +115,18 @@ class RecordingWriter:
         self._add(topics.STOP_TOPIC, {"reason": reason}, self._clock())
 
     def close(self) -> None:
-        """End the file with its index."""
-        if not self._file.closed:
-            try:
-                self._writer.finish()
-                self._file.flush()
-                os.fsync(self._file.fileno())
-            finally:
+        """End the file with its index; after a failed write it stays as it is."""
+        if self._file.closed:
+            return
+        if self._failed:
+            with contextlib.suppress(OSError):
                 self._file.close()
+            return
+        with self._writing():
+            self._writer.finish()
+            self._file.flush()
+            os.fsync(self._file.fileno())
+            self._file.close()
 
     def __enter__(self) -> "RecordingWriter":
         return self
@@ -136,8 +141,21 @@ class RecordingWriter:
         return self._writer.register_channel(topic.name, "json", schema)
 
     def _add(self, topic: Topic, message: Mapping[str, Any], time_ns: int) -> None:
-        self._writer.add_message(self._channels[topic.name], time_ns, as_json(message), time_ns, self._bursts)
+        with self._writing():
+            self._writer.add_message(self._channels[topic.name], time_ns, as_json(message), time_ns, self._bursts)
 
     def _to_disk(self) -> None:
-        self._writer.flush()
-        os.fsync(self._file.fileno())
+        with self._writing():
+            self._writer.flush()
+            os.fsync(self._file.fileno())
+
+    @contextlib.contextmanager
+    def _writing(self) -> Iterator[None]:
+        """RecordingError where the disk takes no more: what is on it already can be read."""
+        try:
+            yield
+        except OSError as error:
+            self._failed = True
+            raise RecordingError(
+                f"{self._path}: the recording ends after {self._bursts} bursts ({error.strerror}); free some space"
+            ) from error

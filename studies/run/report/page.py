@@ -38,6 +38,7 @@ def report_html(stored: StoredRun) -> str:
         .get_template("reconstruction.html.j2")
         .render(
             run=run,
+            replay=run.get("replay"),
             summary=run["summary"],
             paragraph=run_paragraph(run, stored.timings),
             tiles=list(run_tiles(run["summary"], stored.timings)),

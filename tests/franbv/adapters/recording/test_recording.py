@@ -136,7 +136,9 @@ from franbv.sensing import DepthBurst
 
 sensor = Intrinsics(60, 40, 40.0, 40.0, 29.5, 19.5)
 writer = RecordingWriter(Path(sys.argv[1]), RunFacts(), CameraFacts(sensor, 0.1, 0.001))
-threading.Timer(float(sys.argv[2]), os.kill, (os.getpid(), signal.SIGKILL)).start()
+killer = threading.Timer(float(sys.argv[2]), os.kill, (os.getpid(), signal.SIGKILL))
+killer.daemon = True
+killer.start()
 for number in range(10**6):
     steps = np.random.default_rng(number).integers(0, 2000, (5, 40, 60)).astype(np.uint16)
     writer.burst(DepthBurst(steps * np.float32(0.001), sensor, RigidTransform.identity()), RigidTransform.identity())
@@ -156,6 +158,18 @@ def test_kill_minus_nine_leaves_whole_bursts(tmp_path: Path, after_s: float):
     for number, burst in enumerate(found.bursts):
         steps = np.random.default_rng(number).integers(0, 2000, (5, 40, 60)).astype(np.uint16)
         assert same_bits(burst.read().depths, steps * np.float32(0.001))
+
+
+def test_a_full_disk_leaves_whole_bursts(tmp_path: Path):
+    """The system takes no more than 60 kB of the file: one error of ours, and what was on disk can be read."""
+    path = tmp_path / "full.mcap"
+    limited = "import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))\n" + WRITE_UNTIL_KILLED
+    command = [sys.executable, "-c", limited, str(path), "600"]
+    done = subprocess.run(command, cwd=ROOT, check=False, capture_output=True, text=True)
+    assert "RecordingError: " in done.stderr.splitlines()[-1]
+    assert "File too large" in done.stderr.splitlines()[-1]
+    assert path.stat().st_size <= 60_000
+    assert len(read_recording(path).bursts) > 0
 
 
 def test_an_interrupted_run_ends_its_file(tmp_path: Path):

@@ -142,7 +142,7 @@ def test_differences_are_found_where_they_are():
         ([{"index": 0, "boxes": [], "utility": None}], "boxes.length"),
         ([{"index": 0, "boxes": [{"centre": [0.1, 0.2]}], "utility": 0.0}], "utility"),
         ([{"index": True, "boxes": [{"centre": [0.1, 0.2]}], "utility": None}], "index"),
-        ([{"index": 0, "T_world_cam": [[0.0]], "boxes": [], "utility": None}], "pose"),
+        ([{**one[0], "T_world_cam": [[0.0]]}], "pose"),
         ([], "acquisitions"),
     ]:
         found = first_difference(one, other)
