@@ -56,7 +56,7 @@ class RealSenseSource:
 
     Depth goes through librealsense's decimation filter, its padding is cut off and the middle kept; intrinsics look
     along the middle of the blocks. Min-Z = f B / (126 + disparity shift), of the stream before decimation. No other
-    filter of librealsense is used: they would fill the holes that the planner looks for.
+    filter of librealsense is used: they smooth over or fill the holes that the planner looks for.
     """
 
     def __init__(self, device: Any, settings: RealSenseSettings, find: Callable[[], Sequence[Any]]) -> None:
