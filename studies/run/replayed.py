@@ -15,10 +15,10 @@ from franbv.adapters.recording.command import recorded_parameters, replay_figure
 from franbv.adapters.recording.contents import Recording
 from franbv.adapters.recording.opening import open_recording
 from franbv.adapters.recording.replay import Replay, replay
-from franbv.frames import Intrinsics
+from franbv.frames import Intrinsics, block_centre_intrinsics
 from franbv.planners import PLANNERS
 from materials.input_error import InputError
-from render.depth.decimation import block_centre_intrinsics, crop_centre, decimate
+from render.depth.decimation import crop_centre, decimate
 from studies.base.atomic_file import file_digest, write_atomically
 from studies.base.config import validated
 from studies.base.console import strict_json
