@@ -198,6 +198,7 @@ def test_the_next_burst_warms_up_again():
         yield from stills(flat, first=101)
 
     with Bench([SoftwareCamera()], script()).camera(warm_up_frames=3) as camera:
+        assert camera.shoot(HERE, 1).taken.numbers[0] == 4  # warm
         shot = camera.shoot(HERE, 2)
     np.testing.assert_array_equal(shot.taken.numbers, [104, 105])
 
