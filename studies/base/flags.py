@@ -45,6 +45,22 @@ class StartsCommand(CaseCommand[Settings]):
     seeds are made from --seed and the azimuths."""
     workers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Worker processes for many starts; the default is one for each processor."""
+    record: Annotated[Path | None, tyro.conf.arg(metavar="FILE.mcap")] = None
+    """Record the run: every burst, pose and decision, for `franbv replay` and other people's tools. Needs the extra
+    `record`."""
+
+
+@dataclass(frozen=True)
+class RecordingCommand(Generic[Settings]):
+    """A command that makes one case of a recording."""
+
+    recording: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING")]
+    """File or folder."""
+    settings: Annotated[Settings, tyro.conf.arg(name="")]
+    out: Path
+    """Output folder. The case gets a folder of its own in it; the same command finds a finished case there."""
+    json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Print one JSON object as the last line of stdout."""
 
 
 AnyCommand = TypeVar("AnyCommand", bound=CaseCommand)

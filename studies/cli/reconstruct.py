@@ -1,11 +1,5 @@
 """`franbv reconstruct`: a part from the first view to the last, its result and its report; once or from many starts."""
 
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Annotated
-
-import tyro
-
 from materials.input_error import InputError
 from studies.base.case_folder import case_digest, finished_case
 from studies.base.console import say, say_json, warn
@@ -30,13 +24,8 @@ _PROGRAM = f"franbv {RUN_COMMAND}"
 _HELP = "Reconstruct a part with a next-best-view planner, from the first view until a stop rule ends the run."
 
 
-@dataclass(frozen=True)
-class ReconstructCommand(StartsCommand[ReconstructSettings]):
-    """The flags of `franbv reconstruct`."""
-
-    record: Annotated[Path | None, tyro.conf.arg(metavar="FILE.mcap")] = None
-    """Record the run: every burst, pose and decision, for `franbv replay` and other people's tools. Needs the extra
-    `record`."""
+ReconstructCommand = StartsCommand[ReconstructSettings]
+"""The flags of `franbv reconstruct`."""
 
 
 def run(args: list[str]) -> int:

@@ -1,8 +1,6 @@
 """`franbv replay`: detection and planning on a recording, with no robot; the report of a reconstruction made of it."""
 
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import tyro
 
@@ -10,7 +8,7 @@ from franbv.adapters.recording.command import REPLAY_FILE
 from franbv.adapters.recording.opening import is_ours
 from studies.base.config import check_finite
 from studies.base.console import say, say_json, warn
-from studies.base.flags import parse
+from studies.base.flags import RecordingCommand, parse
 from studies.base.single_case import made_once
 from studies.run.replayed import (
     REPLAY_COMMAND,
@@ -29,17 +27,8 @@ _PROGRAM = f"franbv {REPLAY_COMMAND}"
 _HELP = "Detect reflective regions and plan on a recording (.mcap, .db3, .bag, a folder of rosbag2), with no robot."
 
 
-@dataclass(frozen=True)
-class ReplayCommand:
-    """The flags of `franbv replay`."""
-
-    recording: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING")]
-    """File or folder."""
-    settings: Annotated[ReplaySettings, tyro.conf.arg(name="")]
-    out: Path
-    """Output folder. The case gets a folder of its own in it; the same command finds a finished case there."""
-    json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
-    """Print one JSON object as the last line of stdout."""
+ReplayCommand = RecordingCommand[ReplaySettings]
+"""The flags of `franbv replay`."""
 
 
 def run(args: list[str]) -> int:

@@ -17,7 +17,7 @@ IMAGER_OPTIONS = {"exposure": "exposure_us", "gain": "gain", "laser_power": "las
 """Options with the imager's settings that they are about."""
 PRESET_NUMBERS = {1: "default", 2: "hand", 3: "high_accuracy", 4: "high_density", 5: "medium_density"}
 """librealsense's numbers (`rs2_rs400_visual_preset`); 0 is a preset of the user's, of which no option tells."""
-NAMED_MODELS = {"D435": "d435i", "D415": "d415"}
+MODELS_BY_NAME = {"D435": "d435i", "D415": "d415"}
 """What a device's name has in it, and the model that stands for it; the D435 has the D435i's imagers."""
 
 
@@ -47,7 +47,7 @@ def sensor_fields(recording: Recording) -> dict[str, Any]:
     preset = _preset_name(options)
     if preset is not None:
         fields["preset"] = preset
-    models = [model for words, model in NAMED_MODELS.items() if words in (camera.model or "").upper()]
+    models = [model for words, model in MODELS_BY_NAME.items() if words in (camera.model or "").upper()]
     return fields | ({"model": models[0]} if models else {})
 
 

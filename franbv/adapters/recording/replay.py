@@ -28,12 +28,13 @@ from franbv.stopping import StopReason
 ReplayMode = Literal["closed_loop", "open_loop"]
 
 
-class _ElsewhereError(Exception):
-    """The planner asks for a pose that the recording does not hold."""
+class OffTapeError(Exception):
+    """The planner asks for what the recording does not hold: a pose where nobody stood, or another burst at its end."""
 
-
-class _EndedError(Exception):
-    """The planner asks for another burst, and all were given."""
+    def __init__(self, at_end: bool) -> None:
+        super().__init__("all bursts were given" if at_end else "the recording has no such pose")
+        self.at_end = at_end
+        """Whether all bursts were given."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,15 +74,12 @@ def replay(
     check_frames(recording, parameters)
     seen: list[Acquisition] = []
     tape = _Tape(recording)
-    ended = None
     try:
         if not recording.decisions:
-            raise _ElsewhereError
+            raise OffTapeError(at_end=False)
         ended = reconstruct(tape, tape, planner, parameters, seed, first_azimuth_deg, seen.append)
-    except _EndedError:
-        ended = Reconstruction(tuple(seen), StopReason.RECORDING_ENDED)
-    except _ElsewhereError:
-        pass
+    except OffTapeError as left:
+        ended = Reconstruction(tuple(seen), StopReason.RECORDING_ENDED) if left.at_end else None
     difference = _difference(recording, seen, ended, tape)
     if ended is not None:
         for acquisition in seen:
@@ -148,11 +146,11 @@ class _Tape:
         bursts = self.recording.bursts
         left = [k for k in range(len(bursts)) if k not in self.given]
         if not left:
-            raise _EndedError
+            raise OffTapeError(at_end=True)
         fitting = [k for k in left if same_pose(bursts[k].T_asked, T_asked)]
         if not fitting:
             self.asked_elsewhere = T_asked
-            raise _ElsewhereError
+            raise OffTapeError(at_end=False)
         later = [k for k in fitting if not self.given or k > self.given[-1]]
         return (later or fitting)[0]
 
