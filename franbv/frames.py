@@ -47,6 +47,25 @@ class Intrinsics:
         return np.stack([(u - self.cx) / self.fx, (v - self.cy) / self.fy, np.ones_like(u, dtype=float)], axis=-1)
 
 
+def decimated_intrinsics(intrinsics: Intrinsics, factor: int) -> Intrinsics:
+    """librealsense's intrinsics of the decimated stream, padding excluded: all divided by the factor."""
+    i = intrinsics
+    return Intrinsics(i.width // factor, i.height // factor, i.fx / factor, i.fy / factor, i.cx / factor, i.cy / factor)
+
+
+def block_centre_intrinsics(intrinsics: Intrinsics, factor: int) -> Intrinsics:
+    """Intrinsics for which a decimated pixel looks along the middle of its block."""
+    divided = decimated_intrinsics(intrinsics, factor)
+    shift = (factor - 1) / (2 * factor)
+    return Intrinsics(divided.width, divided.height, divided.fx, divided.fy, divided.cx - shift, divided.cy - shift)
+
+
+def centre_corner(size: tuple[int, int], inner: tuple[int, int]) -> tuple[int, int]:
+    """Left column and top row of the middle `inner` (width, height) of an image of `size`; an odd pixel is left over at
+    the right and below."""
+    return (size[0] - inner[0]) // 2, (size[1] - inner[1]) // 2
+
+
 def look_at(
     eye: Float[np.ndarray, "3"], target: Float[np.ndarray, "3"], up: Float[np.ndarray, "3"] | None = None
 ) -> RigidTransform:

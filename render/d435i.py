@@ -11,11 +11,11 @@ import numpy as np
 from jaxtyping import Bool, Float32, UInt8, UInt16
 from scipy.spatial.transform import RigidTransform
 
-from franbv.frames import Intrinsics
+from franbv.frames import Intrinsics, block_centre_intrinsics, centre_corner
 from franbv.sensing import DepthBurst
 from materials.lights import Band
 from render.depth.coding import metres_from_z16, z16_from_disparity
-from render.depth.decimation import block_centre_intrinsics, crop_centre, decimate
+from render.depth.decimation import crop_centre, decimate
 from render.imager.expose import expose_burst
 from render.imager.exposure import auto_exposure
 from render.imager.seen_surfaces import SeenSurfaces
@@ -233,7 +233,7 @@ class SimulatedD435i:
             return None
         f, k = self.settings.decimation, self.rig.intrinsics
         width, height = self.settings.crop
-        left, top = (k.width // f - width) // 2, (k.height // f - height) // 2
+        left, top = centre_corner((k.width // f, k.height // f), (width, height))
         return Window(left * f, top * f, width * f, height * f)
 
     def changed(

@@ -6,14 +6,14 @@ multiples of 4, and divides the intrinsics by the factor.
 
 Watch the principal point: the centre of block i lies at f i + (f - 1) / 2, so after a plain division every decimated
 pixel points (f - 1) / (2 f) px too far to the top left: 0.44 px at factor 8, which at 640 x 360 displaces points by
-1.1 % of their depth along x and as much along y. `decimated_intrinsics` copies that, because a real camera's software
-does it; `block_centre_intrinsics` is right.
+1.1 % of their depth along x and as much along y. `decimated_intrinsics` of `franbv.frames` copies that, because a real
+camera's software does it; `block_centre_intrinsics` beside it is right, and what every camera here uses.
 """
 
 import numpy as np
 from jaxtyping import Shaped, UInt16
 
-from franbv.frames import Intrinsics
+from franbv.frames import Intrinsics, centre_corner
 from materials.input_error import InputError
 
 FACTORS = range(2, 9)
@@ -72,19 +72,6 @@ def padded(decimated: UInt16[np.ndarray, "n h w"]) -> UInt16[np.ndarray, "n h_4 
     return np.pad(decimated, ((0, 0), (0, -h % PADDING), (0, -w % PADDING)))
 
 
-def decimated_intrinsics(intrinsics: Intrinsics, factor: int) -> Intrinsics:
-    """librealsense's intrinsics of the decimated stream, padding excluded: all divided by the factor."""
-    i = intrinsics
-    return Intrinsics(i.width // factor, i.height // factor, i.fx / factor, i.fy / factor, i.cx / factor, i.cy / factor)
-
-
-def block_centre_intrinsics(intrinsics: Intrinsics, factor: int) -> Intrinsics:
-    """Intrinsics for which a decimated pixel looks along the middle of its block."""
-    divided = decimated_intrinsics(intrinsics, factor)
-    shift = (factor - 1) / (2 * factor)
-    return Intrinsics(divided.width, divided.height, divided.fx, divided.fy, divided.cx - shift, divided.cy - shift)
-
-
 def crop_centre(
     depths: UInt16[np.ndarray, "n h w"], intrinsics: Intrinsics, size: tuple[int, int] = PAPER_SIZE
 ) -> tuple[UInt16[np.ndarray, "n h_c w_c"], Intrinsics]:
@@ -96,5 +83,5 @@ def crop_centre(
     if width > intrinsics.width or height > intrinsics.height:
         have = f"{intrinsics.width}x{intrinsics.height}"
         raise InputError(f"depth crop {width}x{height}: larger than the decimated image, {have}; choose a smaller one")
-    left, top = (intrinsics.width - width) // 2, (intrinsics.height - height) // 2
+    left, top = centre_corner((intrinsics.width, intrinsics.height), size)
     return depths[:, top : top + height, left : left + width], intrinsics.cropped(left, top, width, height)

@@ -8,12 +8,13 @@ import numpy as np
 import tyro
 from pydantic import BaseModel, Field
 
+from franbv.frames import decimated_intrinsics
 from franbv.parameters import Parameters
 from materials.catalog import material
 from materials.input_error import InputError
 from materials.user_materials import UserMaterials, load_user_materials, named_files
 from render.d435i import SensorSettings
-from render.depth.decimation import crop_centre, decimated_intrinsics
+from render.depth.decimation import crop_centre
 from render.matcher.d400_preset import is_file_name, load_preset
 from scenes.build import BENCHES, COUPONS, BenchName, coupon_scene, part_scene, scene_on_table
 from scenes.cad.cad_file import file_name

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from franbv.frames import block_centre_intrinsics
 from materials.catalog import TWIN_REFLECTANCE
-from render.depth.decimation import block_centre_intrinsics
 from render.labels.outcome import LEAST_FALSE, SIGMAS, SUBPIXEL_RMS
 from render.world.rig import CAMERA_MODELS
 from studies.base.atomic_file import write_atomically

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from render.depth.decimation import block_centre_intrinsics
+from franbv.frames import block_centre_intrinsics
 from studies.base.atomic_file import file_digest
 from studies.base.reading import MALFORMED
 from studies.dataset.check.draw import Pool, difference, draw_faults, drawn_again

@@ -3,16 +3,9 @@
 import numpy as np
 import pytest
 
-from franbv.frames import Intrinsics, back_project
+from franbv.frames import Intrinsics, back_project, block_centre_intrinsics, decimated_intrinsics
 from materials.input_error import InputError
-from render.depth.decimation import (
-    FACTORS,
-    block_centre_intrinsics,
-    crop_centre,
-    decimate,
-    decimated_intrinsics,
-    padded,
-)
+from render.depth.decimation import FACTORS, crop_centre, decimate, padded
 
 SIZES = [(360, 640), (361, 643), (239, 423), (45, 71)]
 """Rows and columns: the paper's stream, and sizes that neither the factors nor the padding divide."""

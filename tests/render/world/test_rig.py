@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from franbv.frames import look_at, rolled
+from franbv.frames import decimated_intrinsics, look_at, rolled
 from materials.input_error import InputError
-from render.depth.decimation import crop_centre, decimated_intrinsics
+from render.depth.decimation import crop_centre
 from render.sensor import SensorSettings
 from render.world.rig import CAMERA_MODELS, camera_rig, d435i_rig, left_band
 

@@ -1,0 +1,1 @@
+"""Adapters: real cameras behind `franbv.sensing`. Each loads what it needs when it is used, and not before."""
