@@ -95,8 +95,8 @@ def test_starts_are_spread_around_the_part():
 
 def test_starts_are_the_runs_of_the_comparison():
     """The same part, planner and root seed: a study of five runs finds each of them by its name."""
-    preset = ComparisonPreset(title="", runs=5, parts=("A",))
-    starts = spread_starts(resolved_run(ReconstructSettings(part="A", planner="pb")), 5)
+    preset = ComparisonPreset(title="", starts=5, runs=5, parts=("A",))
+    starts = spread_starts(resolved_run(ReconstructSettings(part="A", bench="paper", planner="pb")), 5)
     assert [start.config for start in starts] == [run_settings(preset, "A", "pb", k, Ablation()) for k in range(5)]
 
 
