@@ -183,7 +183,7 @@ def _fly(world: LoadedScene, photon: _Flight, random: Any, band: int) -> _Flight
     body = world.body(si)
     met = photon.active & si.is_valid() & (body < FIRST_LAMP)
     glossy = world.is_glossy(body)
-    sharp = dr.gather(mi.UInt32, surfaces.sharp, body, met) == 1
+    sharp = dr.gather(mi.UInt32, surfaces.sharp, body, met) > 0
     arrived = met & ~glossy & (photon.bounces > 0)
     onwards = met & glossy & ((photon.bounces > 0) | sharp) & (photon.bounces < MOST_BOUNCES)
     u, v = random.next_float32(), mi.Point2f(random.next_float32(), random.next_float32())

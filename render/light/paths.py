@@ -29,6 +29,7 @@ from render.light.seen import SeenLight
 from render.world import backend
 from render.world.mitsuba_scene import LoadedScene
 from render.world.radiosity import Closing
+from render.world.reflectances import NEEDLE
 from render.world.scene_geometry import FIRST_LAMP
 
 FOOTPRINT_SIGMA = 0.5
@@ -256,8 +257,8 @@ class _Tracer:
             photons_count = there
         connected = scattering
         if self.sampling.photons:
-            sharp = dr.gather(mi.UInt32, surfaces.sharp, body, scattering) == 1
-            connected = scattering & ~(path.photons_found & sharp)
+            sharp = dr.gather(mi.UInt32, surfaces.sharp, body, scattering)
+            connected = scattering & ~((path.photons_found & (sharp > 0)) | (path.diffused & (sharp == NEEDLE)))
         return _Vertex(si, body, glossy, scattering, connected, photons_count, known, stopped)
 
     def _projector_light(self, here: _Vertex, path: _Path, f_cos: Any, towards: Any, distance2: Any) -> Any:

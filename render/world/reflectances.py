@@ -31,6 +31,12 @@ grey)."""
 SHARP_BRDF = 8.0
 """Peak of a lobe above which it counts as sharp [1/sr]. Choice: that of a perfect mirror's facets of alpha 0.1, 1 / (4
 pi alpha^2), below which 128 directions over the hemisphere begin to step over the lobe."""
+NEEDLE_BRDF = 4 * SHARP_BRDF
+"""Peak above which a lobe is not connected to behind any Lambertian surface, photons or not [1/sr]: rare bright paths
+would speckle mirrors, and specks are holes. Choice: alpha below 0.05; with those of 0.01 a mirror ball loses 1 % of
+its depth."""
+SHARP, NEEDLE = 1, 2
+"""What is kept of a body."""
 LOSS_ROWS, LOSS_COLUMNS = 32, 9
 """Nodes of a metal's table of lost light over sqrt(cos) and over a quarter turn of azimuth
 (`materials.energy_compensation.AlbedoTable`)."""
@@ -55,7 +61,8 @@ class Reflectances:
     kind: Any
     """UInt32: LAMBERTIAN, CONDUCTOR, OTHER, or 0."""
     sharp: Any
-    """UInt32: 1 where the lobe is narrower than what gathered directions resolve, SHARP_BRDF."""
+    """UInt32: SHARP where the lobe is narrower than what gathered directions resolve, SHARP_BRDF; NEEDLE where it is
+    narrower than NEEDLE_BRDF, too; else 0."""
     albedo: tuple[Any, Any]
     """Float: of Lambertian bodies, 0 for all else."""
     conductors: Any
@@ -80,7 +87,7 @@ class Reflectances:
                 case RoughConductor() as metal, RoughConductor() as under_lamps:
                     conductors[body] = _conductor(metal, under_lamps, lost)
                     peak = (1 - metal.oxide_share) / (4 * np.pi * metal.alpha_u * metal.alpha_v)
-                    sharp[body] = peak > SHARP_BRDF
+                    sharp[body] = (peak > SHARP_BRDF) * SHARP + (peak > NEEDLE_BRDF) * (NEEDLE - SHARP)
         tables = np.concatenate(lost)[..., None] if lost else None
         return cls(
             tuple(materials),
