@@ -10,7 +10,7 @@ from jaxtyping import UInt16
 from pydantic import Field
 
 from franbv.acquisition import Acquisition
-from franbv.adapters.recording.bag_choices import BagChoices, Reduce
+from franbv.adapters.recording.bags.choices import BagChoices, Reduce
 from franbv.adapters.recording.command import recorded_parameters, replay_figures, write_replay
 from franbv.adapters.recording.contents import Recording
 from franbv.adapters.recording.opening import open_recording

@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from franbv.adapters.recording.bag_choices import BagChoices
+from franbv.adapters.recording.bags.choices import BagChoices
 from franbv.adapters.recording.contents import Recording, RecordingError
 from franbv.adapters.recording.decisions import decision_of
 from franbv.adapters.recording.opening import open_recording

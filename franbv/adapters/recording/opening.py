@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from franbv.adapters.recording.bag_choices import BagChoices
+from franbv.adapters.recording.bags.choices import BagChoices
 from franbv.adapters.recording.contents import Recording, RecordingError
 
 KINDS = (".mcap", ".db3", ".bag")
@@ -36,7 +36,7 @@ def open_recording(path: Path, choices: BagChoices | None = None) -> Recording:
             from franbv.adapters.recording.mcap_recording import read_recording
 
             return read_recording(path)
-        from franbv.adapters.recording.bag import read_bag
+        from franbv.adapters.recording.bags.reading import read_bag
 
         return read_bag(path, choices or BagChoices())
 

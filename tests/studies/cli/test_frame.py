@@ -2,13 +2,18 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 import trimesh
 
+from franbv.adapters.recording.depth_codes import STEPS_16, coding_of
+from franbv.adapters.recording.mcap_recording import read_recording
+from render.sensor import SensorSettings
 from studies.cli.main import main
+from studies.run.recorded_sensor import sensor_of
 from studies.store.images import millimetres, read_exr
 
 DISTANCE, THICKNESS, TOP = 0.4, 0.004, 0.08
@@ -131,7 +136,8 @@ def test_cad_file_is_reconstructed_from_end_to_end(tmp_path: Path, capsys: pytes
     trimesh.creation.box((60, 40, 30)).export(tmp_path / "box.stl")
     args = ["reconstruct", "--mesh", str(tmp_path / "box.stl"), "--units", "mm", "--material", "iron:blasted"]
     args += ["--parameters.n-frames", "2", "--parameters.max-iterations", "1", "--out", str(tmp_path / "out"), "--json"]
-    assert main(args) == 0
+    record = tmp_path / "run.mcap"
+    assert main([*args, "--record", str(record)]) == 0
     lines = capsys.readouterr().out.splitlines()
     summary = json.loads(lines[-1])
     promised = (
@@ -152,6 +158,23 @@ def test_cad_file_is_reconstructed_from_end_to_end(tmp_path: Path, capsys: pytes
     assert json.loads(capsys.readouterr().out.splitlines()[-1]) == summary
     assert main(["report", str(tmp_path / "out"), "--json"]) == 0
     assert len(json.loads(capsys.readouterr().out.splitlines()[-1])["reports"]) == 1
+    assert main([*args, "--record", str(tmp_path / "another.mcap")]) == 2
+    assert "holds this very run already" in capsys.readouterr().err
+    replayed_without_rendering(record, tmp_path / "replayed", summary, capsys)
+
+
+def replayed_without_rendering(
+    record: Path, out: Path, summary: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The recording of the run above gives every decision again; it is as long as the run and has its sensor."""
+    assert main(["replay", str(record), "--out", str(out), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert (found["mode"], found["decisions_equal"]) == ("closed_loop", True)
+    assert (found["acquisitions"], found["stop"]) == (summary["acquisitions"], summary["stop"])
+    recording = read_recording(record)
+    assert sensor_of(recording) == SensorSettings(roll_deg=0.0).resolved()
+    assert recording.bursts[0].read_infrared() is not None
+    assert coding_of(recording.bursts[0].read().depths, recording.camera.depth_unit) == STEPS_16
 
 
 def test_a_filter_comes_from_a_file(tmp_path: Path):

@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from franbv.adapters.recording.bag_choices import BagChoices
+from franbv.adapters.recording.bags.choices import BagChoices
 from franbv.adapters.recording.contents import Recording, RecordingError
 from franbv.adapters.recording.mcap_records import MCAP_MAGIC
 from franbv.adapters.recording.opening import open_recording
-from tests.franbv.adapters.recording.bags import ROS1, camera_info, write_rosbag1, write_rosbag2
+from tests.franbv.adapters.recording.bags.bag_writers import ROS1, camera_info, write_rosbag1, write_rosbag2
+from tests.franbv.adapters.recording.bags.test_reading import CHOICES, INFO, frames, stamped, transforms
 from tests.franbv.adapters.recording.damages import cut, damaged, flipped
-from tests.franbv.adapters.recording.test_bag import CHOICES, INFO, frames, stamped, transforms
 
 MOST_MEMORY = 16 * 2**20
 """Beyond what the file itself takes [bytes]: a chunk of the recording here has 0.1 MB."""

@@ -1,6 +1,7 @@
 """Recordings of ROS 1, ROS 2 and librealsense: depth to the bit, poses by the stated rules, options as set."""
 
 import struct
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,12 +10,17 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin
 from scipy.spatial.transform import RigidTransform, Rotation
 
-from franbv.adapters.recording.bag import read_bag
-from franbv.adapters.recording.bag_choices import BagChoices
+from franbv.adapters.recording.bags.choices import BagChoices
+from franbv.adapters.recording.bags.reading import read_bag
 from franbv.adapters.recording.contents import Recording, RecordingError
 from franbv.adapters.recording.opening import open_recording
+from franbv.adapters.recording.replay import replay
+from franbv.adapters.recording.watched import Watch
+from franbv.adapters.recording.writer import RecordingWriter
 from franbv.frames import Intrinsics
-from tests.franbv.adapters.recording.bags import (
+from franbv.planners import fra
+from franbv.reconstruction import reconstruct
+from tests.franbv.adapters.recording.bags.bag_writers import (
     DEPTH_TOPIC,
     HEIGHT,
     ROS1,
@@ -32,6 +38,8 @@ from tests.franbv.adapters.recording.bags import (
     write_rosbag1,
     write_rosbag2,
 )
+from tests.franbv.adapters.recording.recorded_run import CAMERA, PARAMETERS, RUN, SEED, UNIT, camera
+from tests.franbv.analytic_camera import SENSOR, FreeArm
 
 POSES = [
     RigidTransform.from_components([0.1 * k, 0.2, 0.3], Rotation.from_euler("xyz", [180 + 5 * k, 10, 20], degrees=True))
@@ -222,7 +230,9 @@ def test_recorder_of_librealsense(tmp_path: Path):
     """The .db3 that librealsense's own recorder writes of its software device: depth, unit, device, options, times."""
     rs = pytest.importorskip("pyrealsense2")
     path = tmp_path / "a.db3"
-    record_software_device(rs, path)
+    times = [1000.0 + 33 * k for k in range(6)]
+    lens = Intrinsics(WIDTH, HEIGHT, 50.0, 51.0, 5.5, 3.5)
+    record_software_device(rs, path, [steps(k) for k in range(6)], times, lens, 0.0005)
     with pytest.raises(RecordingError, match="does not say where the camera stood"):
         read_bag(path, CHOICES)
     (tmp_path / "p.txt").write_text("0.9 0 0 0.3 1 0 0 0\n1.0985 0.1 0 0.3 1 0 0 0\n")
@@ -236,29 +246,59 @@ def test_recorder_of_librealsense(tmp_path: Path):
         assert np.array_equal(burst.read().depths, expected)
 
 
-def record_software_device(rs, path: Path) -> None:
-    """Six frames, 33 ms apart from 1 s on, through librealsense's recorder."""
+def test_run_recorded_by_librealsense_is_replayed_exactly(recorded, tmp_path: Path):
+    """The run's frames go through librealsense's recorder as a camera would have sent them; depth from its .db3, poses
+    and decisions from ours: the planner decides as it did, to the bit."""
+    rs = pytest.importorskip("pyrealsense2")
+    bursts = [a.burst for a in recorded.run.acquisitions]
+    frames = [np.rint(depth / np.float32(UNIT)).astype(np.uint16) for burst in bursts for depth in burst.depths]
+    times = [1000.0 + 33 * k for k in range(len(frames))]
+    record_software_device(rs, tmp_path / "run.db3", frames, times, SENSOR, UNIT)
+    ours = tmp_path / "ours.mcap"
+    n = PARAMETERS.n_frames
+    ms = 1_000_000
+    with RecordingWriter(ours, RUN, CAMERA) as writer:
+
+        def times_of(number: int) -> list[int]:
+            return [round(time * ms) for time in times[number * n : (number + 1) * n]]
+
+        watch = Watch(writer, times_of=times_of)
+        loop = watch.camera(camera()), watch.arm(FreeArm()), fra(), PARAMETERS
+        watch.stop(reconstruct(*loop, seed=SEED, observe=watch.observe).stop)
+    recording = read_bag(tmp_path / "run.db3", BagChoices(n, poses=ours))
+    for burst, expected in zip(recording.bursts, bursts, strict=True):
+        assert burst.read().depths.tobytes() == expected.depths.tobytes()
+    found = replay(recording, fra(), PARAMETERS, SEED)
+    assert (found.mode, found.decisions_equal, found.n_decisions) == ("closed_loop", True, len(bursts))
+    assert recording.options["exposure"] == 8000.0
+    with pytest.raises(RecordingError, match="has 0 of the 3 frames of burst 0"):
+        read_bag(tmp_path / "run.db3", BagChoices(n, poses=recorded.path))
+
+
+def record_software_device(rs, path: Path, frames: Sequence[np.ndarray], times_ms, lens_of: Intrinsics, unit: float):
+    """The frames, taken at these times, through librealsense's software device and recorder."""
     device = rs.software_device()
     device.register_info(rs.camera_info.name, "D435I")
     device.register_info(rs.camera_info.serial_number, "007")
     device.register_info(rs.camera_info.firmware_version, "5.16")
     sensor = device.add_sensor("Stereo Module")
     stream, lens = rs.video_stream(), rs.intrinsics()
-    lens.width, lens.height, lens.fx, lens.fy, lens.ppx, lens.ppy = WIDTH, HEIGHT, 50.0, 51.0, 5.5, 3.5
+    lens.width, lens.height, lens.fx, lens.fy = lens_of.width, lens_of.height, lens_of.fx, lens_of.fy
+    lens.ppx, lens.ppy = lens_of.cx, lens_of.cy
     stream.type, stream.index, stream.uid, stream.fmt, stream.intrinsics = rs.stream.depth, 0, 0, rs.format.z16, lens
-    stream.width, stream.height, stream.fps, stream.bpp = WIDTH, HEIGHT, 30, 2
+    stream.width, stream.height, stream.fps, stream.bpp = lens.width, lens.height, 30, 2
     profile = sensor.add_video_stream(stream).as_video_stream_profile()
-    for option, value in [(rs.option.depth_units, 0.0005), (rs.option.exposure, 8000), (rs.option.laser_power, 90)]:
+    for option, value in [(rs.option.depth_units, unit), (rs.option.exposure, 8000), (rs.option.laser_power, 90)]:
         sensor.add_read_only_option(option, value)
     recorder = rs.recorder(str(path), device)
     recorded, arrived = recorder.query_sensors()[0], rs.frame_queue(20)
     recorded.open(recorded.get_stream_profiles()[0])
     recorded.start(arrived)
-    for k in range(6):
+    for k, (pixels, time_ms) in enumerate(zip(frames, times_ms, strict=True)):
         frame = rs.software_video_frame()
-        frame.pixels, frame.stride, frame.bpp, frame.profile = steps(k), 2 * WIDTH, 2, profile
-        frame.timestamp, frame.domain = 1000.0 + 33 * k, rs.timestamp_domain.hardware_clock
-        frame.frame_number, frame.depth_units = k, 0.0005
+        frame.pixels, frame.stride, frame.bpp, frame.profile = pixels, 2 * lens.width, 2, profile
+        frame.timestamp, frame.domain = time_ms, rs.timestamp_domain.hardware_clock
+        frame.frame_number, frame.depth_units = k, unit
         sensor.on_video_frame(frame)
         arrived.wait_for_frame(60_000)  # the recorder writes behind it, in the same order
     recorded.stop()

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+from franbv.adapters.recording.contents import CameraFacts
 from franbv.adapters.recording.forms import intrinsics_of
 from franbv.adapters.recording.messages import MOST_SIDE
 from franbv.frames import Intrinsics
@@ -49,6 +50,10 @@ class Facts:
         if self.intrinsics is None or not isinstance(baseline, float) or baseline == 0 or not isinstance(shift, float):
             return None
         return self.intrinsics.fx * abs(baseline) / MM_PER_M / (N_SHIFTS + shift)
+
+    def camera(self, seen: Intrinsics, min_z: float) -> CameraFacts:
+        """The camera, with the intrinsics of what the planner sees of it; min_z: see `CameraFacts`."""
+        return CameraFacts(seen, min_z, self.depth_unit, self.model, self.serial, self.firmware)
 
 
 def facts_of(reader: Any, depth_topic: str) -> Facts:

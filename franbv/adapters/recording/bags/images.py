@@ -5,10 +5,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from franbv.adapters.recording.bags.png_image import png_image
 from franbv.adapters.recording.depth_codes import METRES_32, PIXEL_TYPES, STEPS_16
 from franbv.adapters.recording.forms import NS_PER_S
 from franbv.adapters.recording.messages import MOST_SIDE
-from franbv.adapters.recording.png_image import png_image
 
 RAW_IMAGE, PACKED_IMAGE = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 CODINGS = {"16UC1": STEPS_16, "mono16": STEPS_16, "Z16": STEPS_16, "z16": STEPS_16, "32FC1": METRES_32}

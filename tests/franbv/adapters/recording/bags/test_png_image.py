@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from franbv.adapters.recording.png_image import png_image
+from franbv.adapters.recording.bags.png_image import png_image
 
 RNG = np.random.default_rng(0)
 FILTERS = range(5)

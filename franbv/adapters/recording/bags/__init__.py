@@ -1,0 +1,1 @@
+"""Recordings of ROS and librealsense, read without either."""
