@@ -66,4 +66,5 @@ def _defaults(settings: ReplaySettings) -> ReplayCommand:
 
 
 def _figures(stored: StoredRun) -> dict[str, Any]:
-    return {**stored.run["replay"], "summary": stored.run["summary"]}
+    simulated = {"simulated": stored.run["simulated"]["rows"]} if "simulated" in stored.run else {}
+    return {**stored.run["replay"], **simulated, "summary": stored.run["summary"]}

@@ -24,6 +24,7 @@ from studies.base.config import validated
 from studies.base.console import strict_json
 from studies.run.ablation import Ablation, build_planner
 from studies.run.bursts import infrared_path
+from studies.run.real_and_simulated import Twin, scene_digests
 from studies.run.recorded_sensor import sensor_fields
 from studies.run.recorder import RunRecorder, timing_figures
 from studies.run.recording import recording_errors
@@ -55,6 +56,9 @@ class ReplaySettings(RunSettings):
     """Recordings of others: frame of the transforms in which the table is z = 0; None = their root."""
     min_z: float | None = None
     """Recordings of others: smallest depth that the camera measures [m], where the file does not say it."""
+    simulate: Annotated[Path | None, tyro.conf.arg(metavar="SCENE.yaml")] = None
+    """YAML file with part, materials, bench and lamps, as `franbv frame --config` takes it: renders the recorded poses
+    and sets real and simulated holes and false depth side by side."""
     digests: Annotated[dict[str, str], tyro.conf.Suppress] = Field(default_factory=dict)
     """Filled in: hashes of the files."""
 
@@ -92,6 +96,8 @@ def resolved_replay(settings: ReplaySettings, path: Path) -> ReplaySettings:
     """The settings that decide the result: with the content of the files, and the ablation where it belongs."""
     files = {"recording": path} | ({"poses": settings.poses} if settings.poses else {})
     digests = {name: file_digest(file) for name, file in files.items() if file.is_file()}
+    if settings.simulate is not None:
+        digests |= scene_digests(settings.simulate)
     return ablated(settings).model_copy(update={"digests": digests})
 
 
@@ -99,6 +105,7 @@ def write_replayed(folder: Path, config: ReplaySettings, recording: Recording) -
     """Replay, and fill the case's folder; InputError where the recording cannot be used."""
     began, processor = time.perf_counter(), time.process_time()
     recorder, times = RunRecorder(None, config.parameters), []
+    twin = Twin.of(config.simulate, recording, config.decimation, config.crop) if config.simulate else None
 
     def observe(acquisition: Acquisition) -> None:
         write_view(folder, acquisition.index, recorder.observe(acquisition))
@@ -111,6 +118,9 @@ def write_replayed(folder: Path, config: ReplaySettings, recording: Recording) -
         _write_infrared(folder, recording, found)
     title = recording.run.title or recording.path.stem
     more = {"replay": replay_figures(found), "recorded_sensor": sensor_fields(recording)}
+    if twin is not None:
+        rows = twin.figures(found.run.acquisitions)
+        more["simulated"] = {"scene": twin.settings.model_dump(mode="json"), "rows": rows}
     write_result(folder, config, title, found.run, None, recorder, REPLAY_COMMAND, more)
     elapsed = time.perf_counter() - began, time.process_time() - processor
     timings = {**timing_figures(times, *elapsed), "acquisitions": times}

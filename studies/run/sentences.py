@@ -35,10 +35,15 @@ def run_paragraph(run: Mapping[str, Any], timings: Mapping[str, Any]) -> str:
     return " ".join(sentence for sentence in sentences if sentence)
 
 
+def is_open_loop(run: Mapping[str, Any]) -> bool:
+    """Whether the run is a replay at poses that its planner did not choose."""
+    return run.get("replay", {}).get("mode") == "open_loop"
+
+
 def _without_surface(run: Mapping[str, Any], timings: Mapping[str, Any], planner: str, effort: str) -> str:
     """What can be said where nobody has told the true surface."""
     s = run["summary"]
-    open_loop = run.get("replay", {}).get("mode") == "open_loop"
+    open_loop = is_open_loop(run)
     began = counted(s["recovery_activations"], "recovery", "recoveries")
     sentences = [
         f"{planner} {'was shown' if open_loop else 'took'} {effort}; how much of the surface that covers is unknown.",

@@ -15,7 +15,7 @@ from studies.run.report.coverage_figure import coverage_figure
 from studies.run.report.scene_payload import scene_payload
 from studies.run.report.strip import strip
 from studies.run.report.timing_figure import SENSING, stage_names, stage_times, timing_figure
-from studies.run.sentences import run_paragraph
+from studies.run.sentences import is_open_loop, replay_words, run_paragraph
 from studies.run.stored_run import REPORT, StoredRun
 
 
@@ -39,9 +39,12 @@ def report_html(stored: StoredRun) -> str:
         .render(
             run=run,
             replay=run.get("replay"),
+            simulated=run.get("simulated"),
+            replayed=replay_words(run["replay"]) if "replay" in run else "",
+            open_loop=is_open_loop(run),
             summary=run["summary"],
             paragraph=run_paragraph(run, stored.timings),
-            tiles=list(run_tiles(run["summary"], stored.timings)),
+            tiles=list(run_tiles(run["summary"], stored.timings, is_open_loop(run))),
             coverage=coverage_figure(rows) if run["surface_points"] else None,
             acquisitions=list(zip(rows, strips, strict=True)),
             recoveries=sum(row["kind"] == RECOVERY for row in rows),
@@ -57,8 +60,13 @@ def report_html(stored: StoredRun) -> str:
     )
 
 
-def run_tiles(summary: Mapping[str, Any], timings: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """Headline figures: value, name, what it is measured against. Without a known surface nothing is told from one."""
+def run_tiles(
+    summary: Mapping[str, Any], timings: Mapping[str, Any], open_loop: bool = False
+) -> Iterator[tuple[str, str, str]]:
+    """Headline figures: value, name, what it is measured against. Without a known surface nothing is told from one.
+
+    open_loop: recoveries were proposed and not made.
+    """
     known = summary[MAP_COVERAGE] is not None
     if known:
         yield from _surface_tiles(summary)
@@ -68,7 +76,10 @@ def run_tiles(summary: Mapping[str, Any], timings: Mapping[str, Any]) -> Iterato
     activations = summary["recovery_activations"]
     name = "recovery activation" if activations == 1 else "recovery activations"
     change = f"their views: {100 * summary['recovery_contribution']:+.1f} points of the map's coverage" if known else ""
-    yield str(activations), name, change or f"and {summary['recovery_acquisitions']} views for them"
+    if open_loop:
+        yield str(activations), "views with a recovery to begin", "proposed, and not made"
+    else:
+        yield str(activations), name, change or f"and {summary['recovery_acquisitions']} views for them"
     yield f"{timings['wall_s']:.0f} s", "wall time", "sensing, planning and evaluation"
 
 

@@ -18,6 +18,7 @@ from studies.run.recording import recording_of
 from studies.run.run_case import RunSettings, write_run
 from studies.run.stored_run import StoredRun
 from studies.store.tables import read_rows
+from tests.studies.browser import CHROMIUM, visit
 from tests.studies.run.analytic_ball import CAMERA, SETTINGS, Ball, FreeArm, ball_reference
 
 UNIT = 0.001
@@ -79,6 +80,26 @@ def test_no_coverage_is_invented(replayed: Path):
     assert "nan" not in words.lower().split()
     assert "n/a" not in words
     assert '<h2 id="coverage"' not in words
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here")
+def test_the_page_is_silent_and_alive(replayed: Path, tmp_path: Path):
+    """No console message, no request; the script ran, and its caption has no coverage."""
+    seen = visit(replayed / "report.html", tmp_path)
+    assert (seen.console, seen.requests) == ([], [])
+    caption = re.search(r'class="scene-caption">([^<]*)<', seen.dom)
+    assert caption is not None
+    assert caption[1].startswith("Acquisition ")
+    assert "overage" not in caption[1]
+
+
+def test_the_report_is_drawn_again(replayed: Path, capsys: pytest.CaptureFixture[str]):
+    """`franbv report` knows the case, and makes the same page."""
+    before = (replayed / "report.html").read_text()
+    assert main(["report", str(replayed), "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out.splitlines()[-1])["reports"]) == 1
+    assert (replayed / "report.html").read_text() == before
 
 
 def test_a_changed_parameter_is_another_case_with_its_difference(
