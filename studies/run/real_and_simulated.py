@@ -1,8 +1,8 @@
 """Recorded depth beside depth that is rendered from the same poses: holes, false depth and bias, by angle of incidence.
 
-The scene file tells part, materials and lamps; the sensor is the recorded one unless the file says otherwise. That scene
-is taken for the truth: where the real part stands elsewhere, real depth is called false or biased, and that is the fault
-of its place. Pixels count that look at the part, each in each view.
+The scene file tells part, materials and lamps; the sensor is the recorded one unless the file says otherwise. The scene
+is taken for the truth: where the real part stands elsewhere, real depth is called false or biased, and that is the
+fault of its place. Pixels count that look at the part, each in each view.
 """
 
 from collections.abc import Iterable
