@@ -29,10 +29,9 @@ def image_bytes(depth: Float32[np.ndarray, "h w"], coding: str, unit: float | No
 
 def image_of(data: bytes, width: int, height: int, coding: str) -> np.ndarray:
     """The pixels (height, width) as they were coded; ValueError for another number of bytes."""
-    pixels = np.frombuffer(data, PIXEL_TYPES[coding])
-    if len(data) % PIXEL_TYPES[coding].itemsize or pixels.size != width * height:
+    if len(data) != width * height * PIXEL_TYPES[coding].itemsize:
         raise ValueError(f"{len(data)} bytes are no {coding} image of {width} x {height} pixels")
-    return pixels.reshape(height, width)
+    return np.frombuffer(data, PIXEL_TYPES[coding]).reshape(height, width)
 
 
 def metres(pixels: np.ndarray, unit: float | None) -> Float32[np.ndarray, "*n h w"]:

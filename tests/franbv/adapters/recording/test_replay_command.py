@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from franbv.adapters.__main__ import run
 from tests.conftest import ROOT
+from tests.franbv.adapters.recording.test_contradictions import changed, messages_in, write
 
 ALONE = """
 import sys
@@ -60,3 +62,43 @@ def test_bad_input_is_one_line(recorded, tmp_path: Path, absent: str, name: str,
     assert (done.returncode, done.stdout) == (2, "")
     assert words in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+def test_flags_go_over_the_recording(recorded, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    """Another planner and fewer frames; a recording that was cut off says so on stderr."""
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(recorded.path.read_bytes()[:-100])
+    args = ["replay", str(cut), "--planner", "random", "--n-frames", "1", "--json", "--out", str(tmp_path / "out")]
+    assert run(args) == 0
+    out, err = capsys.readouterr()
+    figures = json.loads(out.splitlines()[-1])
+    assert figures["decisions_equal"] is False
+    assert "it decides otherwise from acquisition" in out
+    assert "was cut off" in err
+    assert (tmp_path / "out" / "replay.json").is_file()
+    assert run(["replay", str(recorded.path)]) == 0
+    assert "every decision is as recorded" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("facts", "words"),
+    [
+        ({"ablation": {"without_filter": "erosion"}}, "was planned by a changed method"),
+        ({"planner": "oracle"}, "was planned by oracle; choose one of fra"),
+        ({"parameters": {"n_frames": 0}}, "parameter n_frames"),
+        ({"parameters": {"flux": 1}}, "parameter flux"),
+    ],
+)
+def test_a_run_that_is_not_known_is_refused(
+    recorded, tmp_path: Path, capsys: pytest.CaptureFixture[str], facts: dict, words: str
+):
+    """A method, a planner or parameters of another version."""
+    path = write(tmp_path / "a.mcap", changed("/recording/header", **facts)(messages_in(recorded.path)))
+    assert run(["replay", str(path)]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_folder_that_cannot_be_written_is_refused(recorded, capsys: pytest.CaptureFixture[str]):
+    """Here it is a file."""
+    assert run(["replay", str(recorded.path), "--out", str(recorded.path)]) == 2
+    assert "cannot be written" in capsys.readouterr().err
