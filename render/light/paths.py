@@ -24,7 +24,7 @@ import numpy as np
 from render.light.lamp_light import chosen_lamp, light_met
 from render.light.projector import ProjectorLight, fall_off
 from render.light.sampling import DIMENSIONS_PIXEL, DIMENSIONS_VERTEX, SampleSet, Sampling
-from render.light.scatter import scatter
+from render.light.scatter import Scattered, scatter
 from render.light.seen import SeenLight
 from render.world import backend
 from render.world.mitsuba_scene import LoadedScene
@@ -193,8 +193,15 @@ class _Tracer:
         met.lamps += from_lamps
         met.projector_stopped += dr.select(i == 0, from_projector, 0)
         met.lamps_stopped += dr.select(i == 0, from_lamps + here.stopped, 0)
+        return self._continued(path, here, lobes, going_on)
 
-        beta = [b * w for b, w in zip(path.beta, lobes.weight, strict=True)]
+    def _continued(self, path: _Path, here: _Vertex, lobes: Scattered, going_on: Any) -> _Path:
+        """The paths with the rays that were drawn; what those that end here leave out is added to their light."""
+        mi = backend.mitsuba()
+        import drjit as dr
+
+        met = path.light
+        beta = (path.beta[0] * lobes.weight[0], path.beta[1] * lobes.weight[1])
         left = path.left - dr.select(here.scattering, 1, 0)
         if self.closing is not None:
             left = dr.select(path.diffused | here.glossy, left, dr.minimum(left, BEHIND_DIFFUSE))
@@ -211,17 +218,7 @@ class _Tracer:
         photons_found = dr.select(here.glossy, path.photons_found, here.photons_count)
         lamps_known = ~here.glossy | ~here.connected
         return _Path(
-            onwards,
-            met,
-            (beta[0], beta[1]),
-            active,
-            i + 1,
-            lobes.pdf,
-            left,
-            lamps_known=lamps_known,
-            diffused=diffused,
-            photons_found=photons_found,
-            spread=spread,
+            onwards, met, beta, active, path.vertex + 1, lobes.pdf, left, lamps_known, diffused, photons_found, spread
         )
 
     @property

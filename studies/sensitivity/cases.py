@@ -29,7 +29,7 @@ from studies.base.config import Config
 from studies.run.scene_settings import mounted
 from studies.sensitivity.preset import OWN, Light, SensitivityPreset, Sweep
 
-CASE, TWIN = "sensitivity 4", "sensitivity twin 3"
+CASE, TWIN = "sensitivity 5", "sensitivity twin 4"
 """What the hashes of a case and of a twin call them; the number rises when labels come to mean something else."""
 FIRST_AZIMUTH_DEG = 20.0
 """Azimuth of seed 0 [deg]. Choice: no symmetry plane of lamps, room or lay."""

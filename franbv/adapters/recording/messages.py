@@ -185,8 +185,8 @@ class StopMessage(OwnMessage):
     reason: str
 
 
-class ImageMessage(ViewerMessage):
-    """foxglove.RawImage."""
+class FrameMessage(ViewerMessage):
+    """What an image and its calibration have in common."""
 
     timestamp: dict[str, Natural]
     """`sec` [s] and `nsec` [ns]."""
@@ -195,6 +195,11 @@ class ImageMessage(ViewerMessage):
     """[px]."""
     height: Annotated[int, Field(ge=1, le=MOST_SIDE)]
     """[px]."""
+
+
+class ImageMessage(FrameMessage):
+    """foxglove.RawImage."""
+
     encoding: Coding
     step: Natural
     """Length of a row [bytes]."""
@@ -202,16 +207,9 @@ class ImageMessage(ViewerMessage):
     """base64."""
 
 
-class CalibrationMessage(ViewerMessage):
+class CalibrationMessage(FrameMessage):
     """foxglove.CameraCalibration of the depth image."""
 
-    timestamp: dict[str, Natural]
-    """`sec` [s] and `nsec` [ns]."""
-    frame_id: str
-    width: Annotated[int, Field(ge=1, le=MOST_SIDE)]
-    """[px]."""
-    height: Annotated[int, Field(ge=1, le=MOST_SIDE)]
-    """[px]."""
     distortion_model: str
     D: list[FiniteFloat]
     """All 0: the images are rectified."""
