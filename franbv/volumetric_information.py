@@ -72,7 +72,7 @@ def view_information(
     log_odds = voxel_map.log_odds
     if voxel_map.cancelled is not None:  # the loops know an untouched voxel by its zero
         log_odds = np.where(voxel_map.cancelled, np.float32(-TINY), log_odds)
-    cells = voxel_cells(log_odds[tuple(map(slice, low, high))], gain)
+    cells = voxel_cells(log_odds[tuple(map(slice, low, high))], gain, voxel_map.threshold)
     if len(Ts_world_cam) == 0:
         return np.zeros(0)
     origins, axes, columns, rows = view_rays(voxel_map, intrinsics, Ts_world_cam)
@@ -93,8 +93,12 @@ def view_rays(
     return origins, axes, np.tile(columns, len(rows)), np.repeat(rows, len(columns))
 
 
-def voxel_cells(log_odds: Float[np.ndarray, "x y z"], gain: Gain) -> Float[np.ndarray, "x+2 y+2 z+2 2"]:
+def voxel_cells(
+    log_odds: Float[np.ndarray, "x y z"], gain: Gain, threshold: float = 0.0
+) -> Float[np.ndarray, "x+2 y+2 z+2 2"]:
     """What a ray meets in each voxel: the voxel's worth, and the share of the ray that passes it.
+
+    threshold: log-odds above which a voxel is occupied, as `VoxelMap.threshold`.
 
     A border of one voxel that lets nothing pass surrounds them. For `rear_side` the second number is 1 in occupied
     voxels, else 0, and -1 in the border.
@@ -102,7 +106,7 @@ def voxel_cells(log_odds: Float[np.ndarray, "x y z"], gain: Gain) -> Float[np.nd
     cells = np.zeros((*(n + 2 for n in log_odds.shape), 2))
     cells[..., 1] = -1.0 if gain == "rear_side" else 0.0
     log_odds = np.ascontiguousarray(log_odds, np.float32)
-    _fill(log_odds, log_odds.view(np.uint32), cells, GAINS.index(gain))
+    _fill(log_odds, log_odds.view(np.uint32), cells, GAINS.index(gain), threshold + UNDECIDED)
     return cells
 
 
@@ -120,13 +124,13 @@ def _extent(voxel_map, region):
 
 
 @njit(nogil=True, cache=True)
-def _cell(log_odds, gain):
-    """Worth of a voxel and what lets a ray pass, by the index of the gain."""
+def _cell(log_odds, gain, threshold):
+    """Worth of a voxel and what lets a ray pass, by the index of the gain. threshold: above it, a voxel is occupied."""
     occupied = 1.0 / (1.0 + math.exp(-log_odds))
     empty = 1.0 / (1.0 + math.exp(log_odds))
     entropy = -occupied * math.log(occupied) - empty * math.log(empty)
     if gain == OBSERVABLE:
-        if log_odds > 0.0:
+        if log_odds > threshold:
             return 0.0, 0.0
         return (0.0, 1.0) if log_odds < -UNDECIDED else (entropy, 1.0 - MEETING)
     if gain == OCCLUSION_AWARE:
@@ -134,16 +138,16 @@ def _cell(log_odds, gain):
     if gain == UNOBSERVED:
         return (entropy if log_odds == 0.0 else 0.0), empty
     if gain == ENTROPY:
-        return entropy, (0.0 if log_odds > 0.0 else 1.0)
-    return (1.0 if log_odds == 0.0 else 0.0), (1.0 if log_odds > 0.0 else 0.0)
+        return entropy, (0.0 if log_odds > threshold else 1.0)
+    return (1.0 if log_odds == 0.0 else 0.0), (1.0 if log_odds > threshold else 0.0)
 
 
 @njit(nogil=True, cache=True)
-def _fill(log_odds, bits, cells, gain):
+def _fill(log_odds, bits, cells, gain, threshold):
     """Fill the cells of all voxels. bits: the log-odds' own, as unsigned integers."""
     known = np.zeros(1 << MEMORY_BITS, np.uint32)
     numbers = np.zeros((1 << MEMORY_BITS, 2))
-    numbers[:, 0], numbers[:, 1] = _cell(0.0, gain)  # zero has no bits
+    numbers[:, 0], numbers[:, 1] = _cell(0.0, gain, threshold)  # zero has no bits
     for x in range(log_odds.shape[0]):
         for y in range(log_odds.shape[1]):
             for z in range(log_odds.shape[2]):
@@ -151,6 +155,6 @@ def _fill(log_odds, bits, cells, gain):
                 place = np.uint32(own * np.uint32(SPREAD)) >> np.uint32(32 - MEMORY_BITS)
                 if known[place] != own:
                     known[place] = own
-                    numbers[place] = _cell(np.float64(log_odds[x, y, z]), gain)
+                    numbers[place] = _cell(np.float64(log_odds[x, y, z]), gain, threshold)
                 cells[x + 1, y + 1, z + 1, 0] = numbers[place, 0]
                 cells[x + 1, y + 1, z + 1, 1] = numbers[place, 1]

@@ -84,8 +84,8 @@ class SimulatedArm:
 
         fixtures: what stands around the part, `Scene.fixtures`.
         """
-        arm = cls(Solid.from_mesh(part), limits or ArmLimits(), body=CAMERA_BODIES[model])
-        arm.fixtures = {body.name: Solid.from_mesh(body.mesh) for body in fixtures}
+        solids = {body.name: Solid.from_mesh(body.mesh) for body in fixtures}
+        arm = cls(Solid.from_mesh(part), limits or ArmLimits(), body=CAMERA_BODIES[model], fixtures=solids)
         arm.T_world_cam = rolled(arm.T_world_cam, roll_deg)
         return arm
 

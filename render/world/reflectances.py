@@ -32,11 +32,12 @@ SHARP_BRDF = 8.0
 """Peak of a lobe above which it counts as sharp [1/sr]. Choice: that of a perfect mirror's facets of alpha 0.1, 1 / (4
 pi alpha^2), below which 128 directions over the hemisphere begin to step over the lobe."""
 NEEDLE_BRDF = 4 * SHARP_BRDF
-"""Peak above which a lobe is not connected to behind any Lambertian surface, photons or not [1/sr]: rare bright paths
+"""Peak above which, where photons are shot at all, a lobe is connected behind no Lambertian surface, not even where none
+are counted, so that this light is left out [1/sr]: rare bright paths
 would speckle mirrors, and specks are holes. Choice: alpha below 0.05; with those of 0.01 a mirror ball loses 1 % of
 its depth."""
 SHARP, NEEDLE = 1, 2
-"""What is kept of a body."""
+"""Values of `Reflectances.sharp`; 0 is neither."""
 LOSS_ROWS, LOSS_COLUMNS = 32, 9
 """Nodes of a metal's table of lost light over sqrt(cos) and over a quarter turn of azimuth
 (`materials.energy_compensation.AlbedoTable`)."""
@@ -87,7 +88,7 @@ class Reflectances:
                 case RoughConductor() as metal, RoughConductor() as under_lamps:
                     conductors[body] = _conductor(metal, under_lamps, lost)
                     peak = (1 - metal.oxide_share) / (4 * np.pi * metal.alpha_u * metal.alpha_v)
-                    sharp[body] = (peak > SHARP_BRDF) * SHARP + (peak > NEEDLE_BRDF) * (NEEDLE - SHARP)
+                    sharp[body] = NEEDLE if peak > NEEDLE_BRDF else SHARP if peak > SHARP_BRDF else 0
         tables = np.concatenate(lost)[..., None] if lost else None
         return cls(
             tuple(materials),

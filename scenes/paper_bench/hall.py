@@ -49,10 +49,10 @@ _FURNITURE = (
 def hall() -> tuple[Body, ...]:
     """Floor, walls, ceiling, gate and machines, closed on all sides and looking inward. The robot itself is left out:
     it would stand differently at every pose, and the simulated arm has no joints."""
-    materials = tuple(material(name) for name in ("concrete", "matte_paint", "matte_paint"))
+    materials = material("concrete"), material("matte_paint"), material("matte_paint")
     return (
-        *shell(HALL_SIZE, HALL_CENTRE, FLOOR, (materials[0], materials[1], materials[2])),
-        *(box_on_floor(name, spec, centre, size, FLOOR) for name, spec, centre, size in _FURNITURE),
+        *shell(HALL_SIZE, HALL_CENTRE, FLOOR, materials),
+        *(box_on_floor(*entry, FLOOR) for entry in _FURNITURE),
     )
 
 

@@ -63,7 +63,6 @@ LINKS: dict[str, LinkChange] = {
     "frames_1": LinkChange("one frame a pose", parameters={"n_frames": 1}),
     "frames_5": LinkChange("five frames a pose", parameters={"n_frames": 5}),
 }
-
 """By the names that the comparison's flag takes."""
 
 

@@ -1,4 +1,4 @@
-"""TukeyBox plots: boxes side by side in groups, small panels beside each other, the medians in numbers below."""
+"""Box plots: boxes side by side in groups, small panels beside each other, the medians in numbers below."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -122,7 +122,7 @@ def zero_line(y: svg.Scale, start: float, end: float) -> Markup:
 
 
 def box_words(box: TukeyBox, form: str) -> str:
-    """`median 2.0, quartiles 1.5 to 3.0, whiskers 1.0 to 4.0, 15 runs`, as far as it is known."""
+    """`median 2.0, quartiles 1.5 to 3.0, whiskers 1.0 to 4.0, of 15`, as far as it is known."""
     words = [f"median {box.median:{form}}"]
     for name, low, high in (("quartiles", box.lower, box.upper), ("whiskers", box.low, box.high)):
         if low is not None and high is not None:

@@ -153,6 +153,17 @@ def test_a_voxel_whose_hits_and_misses_cancel_is_as_unknown_as_an_untouched_one(
     assert found[0] == pytest.approx(np.log(2) * (1 - (1 - MEETING) ** 6) / MEETING)
 
 
+def test_a_hit_that_does_not_make_a_voxel_occupied_ends_no_ray():
+    """Where the map asks for more than one hit, a voxel with one is uncertain: it is worth its entropy, and what lies
+    behind it 1 - MEETING of that of an untouched one. Two hits end the ray."""
+    hit = np.log(0.7 / 0.3)
+    pose = look_at(np.array([-9.0, -0.04, 0.0]), np.array([1.0, -0.04, 0.0]))
+    entropy = -0.7 * np.log(0.7) - 0.3 * np.log(0.3)
+    for n_hits, expected in ((1, entropy + (1 - MEETING) * np.log(2)), (2, 0.0)):
+        strict = replace(grid(np.array([n_hits * hit, 0.0]).reshape(-1, 1, 1)), threshold=float(hit))
+        assert view_information(strict, ONE_RAY, [pose])[0] == pytest.approx(expected, rel=1e-6)
+
+
 def test_unknown_gain_is_refused():
     """The message lists those that there are."""
     with pytest.raises(ValueError, match="choose observable, occlusion_aware"):

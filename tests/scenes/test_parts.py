@@ -203,12 +203,12 @@ def test_port_of_the_filter_regulator_is_g3_8():
 def test_wedge_has_the_drawn_slope_and_volume():
     """C: a right-angled triangle of 180 mm legs less blunt tips of 6 mm, so the slope of 174 mm by 174 mm is at 45 deg.
     Its cross-section is 180^2/2 + 6 x 180 - 6^2/2 mm^2 less what the roundings of 8 mm and 4 mm take, (1 - pi/4) r^2
-    each; chamfers take 0.5^2/2 along 2 x 590 mm. Counterbores (15 mm by 8.6 mm twice, 10 mm by 5.4 mm twice) are
+    each; chamfers take 0.5^2/2 along 2 x 613 mm. Counterbores (15 mm by 8.6 mm twice, 10 mm by 5.4 mm twice) are
     drilled straight into the face."""
     block, sides = body_of("C", "block").mesh, body_of("C", "sides").mesh
     section = 180**2 / 2 + 6 * 180 - 6**2 / 2 - (1 - np.pi / 4) * (8**2 + 4**2)
     bores = np.pi / 4 * (2 * 15**2 * 8.6 + 2 * 10**2 * 5.4)
-    drawn = section * 45 - 0.5**2 / 2 * 2 * 590 - bores
+    drawn = section * 45 - 0.5**2 / 2 * 2 * 613 - bores
     volume = sum(signed_volume(mesh.vertices, mesh.faces) for mesh in (block, sides)) * 1e9
     assert volume == pytest.approx(drawn, rel=1e-4)
     normal = unit_normals(block)
@@ -220,13 +220,15 @@ def test_wedge_has_the_drawn_slope_and_volume():
 
 def test_screws_of_the_wedge_lie_below_its_face():
     """ISO 4762 heads of 13 mm (M8) and 8.5 mm (M5), plain to knurled, whose tops lie 0.4 to 0.6 mm below the inclined
-    face -x + z = 186 mm, where a head's top must be by DIN 974-1."""
+    face -x + z = 96 mm, where a head's top must be by DIN 974-1."""
     points = 1000 * body_of("C", "screws").mesh.vertices
     height = (points @ np.array([-1.0, 0.0, 1.0]) - 96) / np.sqrt(2)
     assert height.max() == pytest.approx(-0.4, abs=0.01)
-    for side, (low, high) in {1: (13.0, 13.27), -1: (8.5, 8.72)}.items():
+    for side, (low, high, below) in {1: (13.0, 13.27, 0.6), -1: (8.5, 8.72, 0.4)}.items():
         up = points[:, 0] + points[:, 2] > 100
-        head = points[up & (np.sign(points[:, 1]) == side) & (height > -4)]
+        there = up & (np.sign(points[:, 1]) == side) & (height > -4)
+        head = points[there]
+        assert height[there].max() == pytest.approx(-below, abs=0.01)
         assert low - 0.05 <= np.ptp(head[:, 1]) <= high
 
 

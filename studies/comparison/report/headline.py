@@ -72,7 +72,7 @@ def bench_words(parts: Sequence[str], preset: ComparisonPreset) -> list[tuple[st
 
 def _surroundings(run: ReconstructSettings) -> dict[str, str]:
     """What stands around the object, by the names of the settings; what the run has none of is left out."""
-    named = {name: getattr(run, name, None) for name in ("bench", "plinth", "lamps")}
+    named = {"bench": run.bench, "plinth": run.plinth, "lamps": run.lamps}
     return {name: value for name, value in named.items() if value}
 
 

@@ -26,7 +26,7 @@ def coverage_rows(comparison: Comparison, parts: Sequence[str], arms: Sequence[s
             "arm": arm,
             **_paper_cells(paper.scaled(POINTS) if paper else None, ".2f", ".0f"),
             **_our_cells(comparison.median(part, arm), comparison.box(part, arm), POINTS, ".1f"),
-            "apart": _apart(comparison.median(part, arm), paper, POINTS, "+z.1f"),
+            "apart": _apart(comparison.box(part, arm), paper, POINTS, "+z.1f"),
             "raw": median_and_range(comparison.median(part, arm, RAW_COVERAGE), POINTS, ".1f"),
         }
         for part in parts
@@ -49,7 +49,7 @@ def recovered_rows(comparison: Comparison, parts: Sequence[str]) -> list[dict[st
             "words": words,
             **_paper_cells(paper.scaled(scale) if paper else None, "g", "g"),
             **_our_cells(comparison.median(part, "fra", name), comparison.box(part, "fra", name), scale, form),
-            "apart": _apart(comparison.median(part, "fra", name), paper, scale, f"+{form}"),
+            "apart": _apart(comparison.box(part, "fra", name), paper, scale, f"+{form}"),
         }
         for part in parts
         for words, name, theirs, scale, form in figures
@@ -146,9 +146,9 @@ def _span(low: float | None, high: float | None, form: str) -> str:
     return signs(f"{'' if low is None else f'{low:{form}} '}to {high:{form}}")
 
 
-def _apart(estimate: MedianEstimate | None, paper: TukeyBox | None, scale: float, form: str) -> str:
+def _apart(ours: TukeyBox | None, paper: TukeyBox | None, scale: float, form: str) -> str:
     """Ours less the paper's."""
-    return signs(format(scale * (estimate.value - paper.median), form)) if estimate and paper else NO_NUMBER
+    return signs(format(scale * (ours.median - paper.median), form)) if ours and paper else NO_NUMBER
 
 
 def _median_of_views(added: Sequence[float]) -> str:

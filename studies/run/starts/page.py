@@ -34,7 +34,7 @@ class ShownFigure(NamedTuple):
 SHOWN = (
     ShownFigure(MAP_COVERAGE, "coverage of the map", "%", 100.0, ".1f"),
     ShownFigure(RAW_COVERAGE, "raw coverage", "%", 100.0, ".1f"),
-    ShownFigure("recovery_contribution", "brought by recovery views", "points", 100.0, "+.1f"),
+    ShownFigure("recovery_contribution", "brought by recovery views", "points", 100.0, "+z.1f"),
     ShownFigure("recovery_activations", "recoveries", "", 1.0, ".0f"),
     ShownFigure("acquisitions", "acquisitions", "", 1.0, ".0f"),
     ShownFigure("accuracy_median_mm", "median error", "mm", 1.0, ".1f"),
@@ -102,4 +102,4 @@ def over_all_rows(spreads: Mapping[str, Spread]) -> Iterator[tuple[str, list[str
 
 def cell(value: float | None, factor: float, form: str) -> str:
     """A number of the table, empty where there is none."""
-    return "" if value is None else format(factor * value, form)
+    return "" if value is None else signs(format(factor * value, form))

@@ -16,7 +16,7 @@ FORGOTTEN = 0.005
 
 def test_a_few_pixels_are_judged_as_among_all():
     """Those in the projector's shadow, by a matcher that is asked for the smallest window around them."""
-    camera = SimulatedD435i(twin_scene(part_scene("D")), SensorSettings(crop=None))
+    camera = SimulatedD435i(twin_scene(part_scene("D1")), SensorSettings(crop=None))
     measurement, truth = camera.measure(POSE, 1), camera.truth(POSE)
     some = (truth.depth > 0) & (truth.depth < 0.6) & ~truth.visible_from_projector
     rows, columns = np.nonzero(some)

@@ -47,9 +47,10 @@ def test_more_paths_are_those_of_a_larger_set():
 
 
 def test_the_lamps_photons_are_shot_once():
-    """They depend on no pose; another number of them is another set."""
+    """They depend on no pose; another number of them, or another seed, is another set."""
     world = SimulatedD435i(coupon_scene("ball", material("stainless_austenitic:polished"))).world
     photons = from_lamps(world, 1024, 0)
     assert photons is not None
     assert from_lamps(world, 1024, 0) is photons
+    assert from_lamps(world, 2048, 0) is not photons
     assert from_lamps(world, 1024, 1) is not photons

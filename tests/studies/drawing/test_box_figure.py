@@ -1,4 +1,4 @@
-"""TukeyBox plots: what is drawn of a box, and what is written of it."""
+"""Box plots: what is drawn of a box, and what is written of it."""
 
 import re
 

@@ -77,7 +77,7 @@ def test_planted_differences_are_the_effects(analysis: Analysis):
 
 
 def test_cells_hold_medians_and_their_distance(analysis: Analysis):
-    """Cell 0 counted from its runs; each figure less the paper's (BENCH figures written out), over what is allowed."""
+    """Cell 0 counted from its runs; each figure less the paper's (its figures written out), over what is allowed."""
     runs = {(r.part, r.arm, r.run): r for r in made_runs()}
     terms = []
     theirs = {"C": (84.74, 67.95, 6, 24.77), "D": (76.85, 45.39, 7, 34.56)}

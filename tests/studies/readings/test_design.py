@@ -42,7 +42,7 @@ def test_pairs_that_are_mixed_are_those_whose_product_is_the_column():
     told = {frozenset(pair): name for name in NAMES for pair in mixed_with(name)}
     assert len(told) == 78 - 2 * 6
     for one, other in combinations(NAMES, 2):
-        # -1 is the first level of each: the product of two columns is a third, or that with all level_signs turned.
+        # -1 is the first level of each: the product of two columns is a third, or that with all signs turned.
         product = columns[one] * columns[other]
         same = [name for name in NAMES if abs(product @ columns[name]) == N_CELLS]
         assert [told[frozenset((one, other))]] == same if same else frozenset((one, other)) not in told
