@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from studies.base.atomic_file import write_atomically
 from studies.base.output_errors import output_errors
+from studies.drawing.cells import signs
 from studies.drawing.templates import environment, page_style
 from studies.run.acquisition_table import MAP_COVERAGE, RAW_COVERAGE
 from studies.run.report.page import flattened

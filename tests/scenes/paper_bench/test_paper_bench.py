@@ -173,8 +173,9 @@ def test_light_on_the_plinth():
 
 
 def test_windows_are_as_bright_as_an_overcast_sky_through_glass():
-    """10 klx by the sky's own integral (ISO 15469: (1 + 2 sin g) / 3 of the zenith at elevation g), seen through glass of
-    0.7 where the table's middle sees the strip. Daylight has more infrared than LEDs, so it counts more to the imager."""
+    """10 klx by the sky's own integral (ISO 15469: (1 + 2 sin g) / 3 of the zenith at elevation g), seen through glass
+    of 0.7 where the table's middle sees the strip. Daylight has more infrared than LEDs: it counts more to the imager.
+    """
     up, away = 2.1 - 0.85 - 0.045, 7.3  # the strip's middle over the plinth's top; the gate's distance [m]
     horizontal = 2 * np.pi * quad(lambda g: (1 + 2 * np.sin(g)) / 3 * np.sin(g) * np.cos(g), 0, np.pi / 2)[0]
     luminance = 0.7 * 10_000 / horizontal * (1 + 2 * up / np.hypot(up, away)) / 3
