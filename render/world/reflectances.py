@@ -32,9 +32,9 @@ SHARP_BRDF = 8.0
 """Peak of a lobe above which it counts as sharp [1/sr]. Choice: that of a perfect mirror's facets of alpha 0.1, 1 / (4
 pi alpha^2), below which 128 directions over the hemisphere begin to step over the lobe."""
 NEEDLE_BRDF = 4 * SHARP_BRDF
-"""Peak above which, where photons are shot at all, a lobe is connected behind no Lambertian surface [1/sr]. Where none are
-counted either, this light is left out: rare bright paths would speckle mirrors, and specks are holes. Choice: alpha
-below 0.05; with those of 0.01 a mirror ball loses 1 % of its depth."""
+"""Peak above which, where photons are shot at all, a lobe is connected behind no Lambertian surface [1/sr]. Where none
+are counted either, this light is left out: rare bright paths would speckle mirrors, and specks are holes. Choice:
+alpha below 0.05; with those of 0.01 a mirror ball loses 1 % of its depth."""
 SHARP, NEEDLE = 1, 2
 """Values of `Reflectances.sharp`; 0 is neither."""
 LOSS_ROWS, LOSS_COLUMNS = 32, 9
