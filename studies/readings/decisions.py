@@ -87,9 +87,9 @@ DECISIONS: tuple[Decision, ...] = (
     Decision(
         "miss_probability",
         "How strongly does a ray empty the voxels that it crosses?",
-        "occupancy 0.40 a ray (OctoMap's default)",
         "occupancy 0.48 a ray",
-        ({"miss_probability": 0.4}, {"miss_probability": 0.48}),
+        "occupancy 0.40 a ray (OctoMap's default)",
+        ({"miss_probability": 0.48}, {"miss_probability": 0.4}),
         False,
         "III-A: occupancy without its odds",
     ),
@@ -105,9 +105,9 @@ DECISIONS: tuple[Decision, ...] = (
     Decision(
         "occupied_probability",
         "From which occupancy on is a voxel occupied?",
-        "above 0.5 (one hit)",
         "above 0.7 (two hits)",
-        ({"occupied_probability": 0.5}, {"occupied_probability": 0.7}),
+        "above 0.5 (one hit)",
+        ({"occupied_probability": 0.7}, {"occupied_probability": 0.5}),
         False,
         "III-A: three classes without their limits",
     ),
