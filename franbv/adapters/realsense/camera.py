@@ -76,6 +76,8 @@ class RealSenseCamera:
         self.settings = self.settings.model_copy(update={"serial": self._source.serial or None})
         self._intrinsics, self._min_z = self._source.intrinsics, self._source.min_z
         self._is_warm = False
+        self.last_shot: Shot | None = None
+        """What was taken last, with its infrared images."""
 
     @property
     def intrinsics(self) -> Intrinsics:
@@ -89,7 +91,12 @@ class RealSenseCamera:
 
     def capture(self, T_world_cam: RigidTransform, n_frames: int) -> DepthBurst:
         """Depth frames as the planner gets them; the camera stands at this pose, and has stopped."""
-        return self.shoot(T_world_cam, n_frames).burst
+        self.last_shot = self.shoot(T_world_cam, n_frames)
+        return self.last_shot.burst
+
+    def drain(self) -> int:
+        """Throw away frames that nobody asked for; how many came since the last call."""
+        return self._opened().drain()
 
     def shoot(self, T_world_cam: RigidTransform, n_frames: int) -> Shot:
         """The same with all that is known about it. CameraError in one line when the camera does not deliver."""

@@ -17,6 +17,10 @@ class RecordingError(ValueError):
     """A recording that cannot be written or read; the message is one line with the file, the place and the mend."""
 
 
+class NothingRecordedError(RecordingError):
+    """A recording whose run was cut off before its first burst was whole."""
+
+
 @dataclass(frozen=True)
 class CameraFacts:
     """The camera of a recording: one stream of depth, as the planner gets it.

@@ -15,6 +15,7 @@ from pydantic import BaseModel, ValidationError
 from franbv.adapters.recording import topics
 from franbv.adapters.recording.contents import (
     CameraFacts,
+    NothingRecordedError,
     Reachability,
     RecordedBurst,
     Recording,
@@ -165,9 +166,9 @@ class _Reading:
     def result(self, closed: bool) -> Recording:
         """All of it; RecordingError where nothing can be done with it."""
         if self.header is None or self.intrinsics is None:
-            raise RecordingError(f"{self.path}: ends before its header; {RECORDING_MEND}")
+            raise NothingRecordedError(f"{self.path}: ends before its header; {RECORDING_MEND}")
         if not self.bursts:
-            raise RecordingError(f"{self.path}: holds no whole burst; record again")
+            raise NothingRecordedError(f"{self.path}: holds no whole burst; record again")
         notices = []
         if not closed:
             rest = f", and {len(self.frames)} frames of one that is not" if self.frames else ""

@@ -6,35 +6,20 @@ would have been seen there is not known: then the replay is open-loop (`franbv.a
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 from typing import Literal
-
-import numpy as np
-from jaxtyping import Float
-from scipy.spatial.transform import RigidTransform
 
 from franbv.acquisition import Acquisition, Reconstruction
 from franbv.adapters.recording.contents import Recording, RecordingError
-from franbv.adapters.recording.decisions import EQUAL_TO, DecisionDifference, decision_of, first_difference
-from franbv.adapters.recording.open_loop import Proposal, first_frames, open_loop
-from franbv.frames import Intrinsics
+from franbv.adapters.recording.decisions import DecisionDifference, decision_of, first_difference
+from franbv.adapters.recording.open_loop import Proposal, open_loop
+from franbv.adapters.recording.tape import OffTapeError, Tape
 from franbv.parameters import Parameters
 from franbv.planners import Planner
 from franbv.reconstruction import reconstruct
-from franbv.sensing import DepthBurst
 from franbv.stopping import StopReason
 
 ReplayMode = Literal["closed_loop", "open_loop"]
-
-
-class OffTapeError(Exception):
-    """The planner asks for what the recording does not hold: a pose where nobody stood, or another burst at its end."""
-
-    def __init__(self, at_end: bool) -> None:
-        super().__init__("all bursts were given" if at_end else "the recording has no such pose")
-        self.at_end = at_end
-        """Whether all bursts were given."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +58,7 @@ def replay(
     """
     check_frames(recording, parameters)
     seen: list[Acquisition] = []
-    tape = _Tape(recording)
+    tape = Tape(recording)
     try:
         if not recording.decisions:
             raise OffTapeError(at_end=False)
@@ -100,63 +85,8 @@ def check_frames(recording: Recording, parameters: Parameters) -> None:
         )
 
 
-def same_pose(one: RigidTransform, other: RigidTransform) -> bool:
-    """Whether two poses agree to EQUAL_TO, [m] and parts of a radian."""
-    return bool(np.abs(one.as_matrix() - other.as_matrix()).max() <= EQUAL_TO)
-
-
-@dataclass
-class _Tape:
-    """Implements `DepthCamera` and `Arm` by what was recorded."""
-
-    recording: Recording
-    given: list[int] = field(default_factory=list)
-    """Numbers of the bursts that were given."""
-    asked_elsewhere: RigidTransform | None = None
-
-    @property
-    def intrinsics(self) -> Intrinsics:
-        return self.recording.camera.intrinsics
-
-    @property
-    def min_z(self) -> float:
-        return self.recording.camera.min_z
-
-    def capture(self, T_world_cam: RigidTransform, n_frames: int) -> DepthBurst:
-        number = self._number_of(T_world_cam)
-        self.given.append(number)
-        return first_frames(self.recording.bursts[number], n_frames)
-
-    def reachable(self, T_world_cam: RigidTransform) -> bool:
-        """What the arm said; a pose about which it was never asked counts as reachable."""
-        near = np.abs(self._asked - T_world_cam.as_matrix()).max(axis=(1, 2), initial=0.0) <= EQUAL_TO
-        return self.recording.reachability.reachable[int(np.argmax(near))] if near.any() else True
-
-    @cached_property
-    def _asked(self) -> Float[np.ndarray, "n 4 4"]:
-        """The poses about which the arm was asked."""
-        return np.array([T.as_matrix() for T in self.recording.reachability.poses]).reshape(-1, 4, 4)
-
-    def move_to(self, T_world_cam: RigidTransform) -> float:
-        """Time of the move as it was [s]."""
-        return self.recording.bursts[self._number_of(T_world_cam)].motion_s
-
-    def _number_of(self, T_asked: RigidTransform) -> int:
-        """The burst that was taken for this pose: the next one, or else any that was not given yet."""
-        bursts = self.recording.bursts
-        left = [k for k in range(len(bursts)) if k not in self.given]
-        if not left:
-            raise OffTapeError(at_end=True)
-        fitting = [k for k in left if same_pose(bursts[k].T_asked, T_asked)]
-        if not fitting:
-            self.asked_elsewhere = T_asked
-            raise OffTapeError(at_end=False)
-        later = [k for k in fitting if not self.given or k > self.given[-1]]
-        return (later or fitting)[0]
-
-
 def _difference(
-    recording: Recording, seen: list[Acquisition], ended: Reconstruction | None, tape: _Tape
+    recording: Recording, seen: list[Acquisition], ended: Reconstruction | None, tape: Tape
 ) -> DecisionDifference | None:
     """Between the recorded decisions and those that the planner took until the replay left them."""
     recorded, replayed = recording.decisions, [decision_of(a) for a in seen]

@@ -77,6 +77,11 @@ class Watch:
         self._write_reachability()
         self.writer.stop(str(reason))
 
+    def refused(self, T_world_cam: RigidTransform) -> None:
+        """Write that no way leads to a pose, whatever was said of it before."""
+        self.asked(T_world_cam, reachable=False)
+        self._write_reachability()
+
     def burst(self, T_asked: RigidTransform, burst: DepthBurst) -> None:
         """Write a burst, and what the arm was asked before it."""
         self._write_reachability()

@@ -1,0 +1,1 @@
+"""A planner on a real camera and arm, behind a guard that trusts neither."""

@@ -1,0 +1,43 @@
+"""Cameras by the name that a command line gives: a RealSense, or anybody's own."""
+
+import importlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from franbv.adapters.camera_error import CameraError
+from franbv.adapters.recording.contents import CameraFacts
+
+OWN_CAMERAS: Mapping[str, str] = {"realsense": "franbv.adapters.live.realsense_cell:open_realsense"}
+"""Where each of ours is opened."""
+
+
+@dataclass(frozen=True, eq=False)
+class OpenedCamera:
+    """A camera as the live commands need it: a `DepthCamera`, and what is around it."""
+
+    camera: Any
+    """The `DepthCamera`."""
+    facts: CameraFacts
+    settings: Mapping[str, Any]
+    """For the recording."""
+    drain: Callable[[], int]
+    """As of `Pulse`."""
+    infrared: Callable[[], Any] = lambda: None
+    times_ns: Callable[[], Any] = lambda: None
+    close: Callable[[], None] = lambda: None
+
+
+def open_camera(kind: str, settings: Mapping[str, Any]) -> OpenedCamera:
+    """Open a camera. kind: a name in OWN_CAMERAS, or `package.module:function`, called with the settings.
+
+    CameraError where there is no such camera.
+    """
+    module, _, function = OWN_CAMERAS.get(kind, kind).partition(":")
+    if not function:
+        raise CameraError(f"camera {kind}: unknown; choose {', '.join(OWN_CAMERAS)} or package.module:function")
+    try:
+        make: Callable[..., OpenedCamera] = getattr(importlib.import_module(module), function)
+    except (ImportError, AttributeError) as error:
+        raise CameraError(f"camera {kind}: cannot be loaded ({error}); name a function that can be imported") from None
+    return make(settings)
