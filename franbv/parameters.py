@@ -59,15 +59,14 @@ class Parameters(BaseModel):
     miss_probability: Share = _number(
         0.48,
         "Occupancy of a voxel that a ray crosses [-]. Choice: nearer to 0.5 than OctoMap's 0.4, so that false depth "
-        "does not undo in one view what another hit; of the two it makes the paper's table (docs/comparison.md).",
+        "does not undo in one view what another hit; of the readings it comes nearest to the paper's four objects (docs/comparison.md).",
     )
     min_probability: Share = _number(0.12, "Lower clamp of the occupancy [-]. OctoMap's default (0.1192).")
     max_probability: Share = _number(0.97, "Upper clamp of the occupancy [-]. OctoMap's default (0.971).")
     occupied_probability: Share = _number(
-        0.7,
-        "Occupancy above which a voxel is occupied; from 0.5 to here it is uncertain [-]. Choice: hit_probability, so "
-        "that one hit does not make a voxel occupied; 0.5, OctoMap's default, is the other reading. Of the two it "
-        "makes the paper's table (docs/comparison.md).",
+        0.5,
+        "Occupancy above which a voxel is occupied; from 0.5 to here it is uncertain [-]. Choice: 0.5, OctoMap's "
+        "default; at hit_probability one hit does not make a voxel occupied.",
     )
     frames_into_map: Literal["median", "each"] = _number(
         "median",

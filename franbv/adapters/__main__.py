@@ -4,10 +4,10 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from franbv.adapters.camera_error import CameraError
+from franbv.adapters.live.command import ONE_LINE, add_live_commands
+from franbv.adapters.live.record_command import add_record_command
 from franbv.adapters.realsense import commands as realsense
 from franbv.adapters.recording import command as recording
-from franbv.adapters.recording.contents import RecordingError
 
 
 def run(args: Sequence[str]) -> int:
@@ -16,10 +16,12 @@ def run(args: Sequence[str]) -> int:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     realsense.add_commands(commands)
     recording.add_recording_commands(commands)
+    add_live_commands(commands)
+    add_record_command(commands)
     flags = parser.parse_args(args)
     try:
         return flags.run(flags)
-    except (CameraError, RecordingError) as error:
+    except ONE_LINE as error:
         sys.stderr.write(f"franbv.adapters: {' '.join(str(error).split())}\n")
         return 2
 

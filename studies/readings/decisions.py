@@ -105,9 +105,9 @@ DECISIONS: tuple[Decision, ...] = (
     Decision(
         "occupied_probability",
         "From which occupancy on is a voxel occupied?",
-        "above 0.7 (two hits)",
         "above 0.5 (one hit)",
-        ({"occupied_probability": 0.7}, {"occupied_probability": 0.5}),
+        "above 0.7 (two hits)",
+        ({"occupied_probability": 0.5}, {"occupied_probability": 0.7}),
         False,
         "III-A: three classes without their limits",
     ),

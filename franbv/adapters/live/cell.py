@@ -66,7 +66,7 @@ class Cell(BaseModel):
     )
     most_speed: Annotated[float, Field(gt=0, le=1.0)] = Field(
         default=0.25,
-        description="Mean speed of the camera above which a way is refused [m/s]. ISO 10218-1: reduced speed, 250 mm/s.",
+        description="Mean speed of the camera above which a way is refused [m/s]. ISO 10218-1: 250 mm/s.",
     )
     off_way: Annotated[float, Field(gt=0, le=0.1)] = Field(
         default=0.02, description="How far from its way the camera may be found before the arm is stopped [m] (choice)."

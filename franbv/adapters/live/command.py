@@ -121,13 +121,9 @@ def _dry_run(arm: GuardedArm, driver: ArmDriver, parameters: Parameters, flags: 
     here_bad = arm.guard.violation(here)
     if here_bad is not None:
         raise RefusedError(here, f"the camera is {here_bad} where it stands; move it by the arm's own means")
-    motions, why = arm.preview(goal)
-    for motion in motions:
-        _say(f"first view: {motion.sentence()}")
-    if why is not None:
-        raise RefusedError(goal, why)
+    _say(f"first view: {arm.preview(goal).sentence()}")
     if flags.json:
-        _say(json.dumps({"dry_run": True, "motions": len(motions)}))
+        _say(json.dumps({"dry_run": True}))
     return 0
 
 

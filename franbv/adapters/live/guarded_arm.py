@@ -1,7 +1,7 @@
 """The planner's arm: a motion is planned by the driver, held against the guard, shown, and watched while it is made."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
@@ -21,6 +21,10 @@ UNKNOWN_S = 60.0
 """The same where a driver does not tell how long it takes [s] (choice: 15 m at reduced speed)."""
 LOOK_EVERY_S = 0.1
 """For where the arm is, while it moves [s] (choice: 2.5 cm at reduced speed)."""
+
+
+_Planned = tuple[FlangePath, list[RigidTransform]]
+"""A driver's way, and the camera's poses on it."""
 
 
 class RefusedError(Exception):
@@ -104,63 +108,65 @@ class GuardedArm:
         """Whether the camera may stand there, some way leads there, and the arm says that it can."""
         if self.guard.violation(T_world_cam) is not None or any(_same(T, T_world_cam) for T in self.refused):
             return False
-        return self._way(self.camera_pose(), T_world_cam) is not None and self.driver.can_reach(
-            self.cell.flange_at(T_world_cam)
-        )
+        is_way = next(self._ways(self.camera_pose(), T_world_cam), None) is not None
+        return is_way and self.driver.can_reach(self.cell.flange_at(T_world_cam))
 
     def move_to(self, T_world_cam: RigidTransform) -> float:
         """Bring the camera there; the time that it took [s].
 
-        RefusedError before anything moved; ArmError, StoppedError when it had to be stopped on the way.
+        RefusedError before anything moved, or between two pieces of the way; ArmError, StoppedError when it had to be
+        stopped.
         """
         begun = self.clock()
         try:
-            for goal in self._legs(T_world_cam):
-                self._leg(goal)
+            way, planned = self._way_with_plan(T_world_cam)
+            self._leg(way[0], planned)
+            for goal in way[1:]:
+                self._leg(goal, self._planned(goal))
         except RefusedError:
             self.refused.append(T_world_cam)
             raise
         return self.clock() - begun
 
-    def preview(self, T_world_cam: RigidTransform) -> tuple[tuple[Motion, ...], str | None]:
-        """The first motion that would be made, and why it would not be, if so. Nothing moves."""
-        try:
-            goal = self._legs(T_world_cam)[0]
-            path, poses = self._planned(goal)
-        except RefusedError as refused:
-            return (), refused.why
-        return (self._motion(poses, path),), None
+    def preview(self, T_world_cam: RigidTransform) -> Motion:
+        """The first motion that would be made; RefusedError if none would. Nothing moves."""
+        _, planned = self._way_with_plan(T_world_cam)
+        return self._motion(*planned)
 
-    def _legs(self, T_goal: RigidTransform) -> tuple[RigidTransform, ...]:
+    def _way_with_plan(self, T_goal: RigidTransform) -> tuple[tuple[RigidTransform, ...], _Planned]:
+        """The first way that the guard lets pass, and whose first piece the driver plans as the guard allows."""
         why = self.guard.violation(T_goal)
         if why is not None:
             raise RefusedError(T_goal, why)
-        way = self._way(self.camera_pose(), T_goal)
-        if way is None:
-            raise RefusedError(T_goal, "no way around the object leads there")
-        return way
+        refusal = RefusedError(T_goal, "no way around the object leads there")
+        for way in self._ways(self.camera_pose(), T_goal):
+            try:
+                return way, self._planned(way[0])
+            except RefusedError as refused:
+                refusal = RefusedError(T_goal, refused.why)
+        raise refusal
 
-    def _way(self, T_start: RigidTransform, T_goal: RigidTransform) -> tuple[RigidTransform, ...] | None:
-        """The first way whose straight pieces the guard lets pass."""
+    def _ways(self, T_start: RigidTransform, T_goal: RigidTransform) -> Iterator[tuple[RigidTransform, ...]]:
+        """Those whose straight pieces the guard lets pass."""
         for way in ways(T_start, T_goal, self.cell, self.guard.min_z, self.roll_deg):
             if self.guard.way_violation((T_start, *way)) is None:
-                return way
-        return None
+                yield way
 
-    def _leg(self, T_goal: RigidTransform) -> None:
-        """Plan, check, show, go, and look whether the camera is there."""
+    def _leg(self, T_goal: RigidTransform, planned: _Planned) -> None:
+        """Show it, go, and look whether the camera is there."""
+        path, poses = planned
         self.switch.check()
-        path, poses = self._planned(T_goal)
-        if not self.may_move(self._motion(poses, path)):
+        is_allowed = self.may_move(self._motion(path, poses))
+        self.switch.check()
+        if not is_allowed:
             raise RefusedError(T_goal, "was not confirmed")
-        self.switch.check()
         if not _near(self.camera_pose(), poses[0]):
             raise RefusedError(T_goal, "the arm was moved while the motion was shown; start again")
         self._go(path, poses)
         if not _near(self.camera_pose(), T_goal):
             raise ArmError(f"{self.driver.name}: says that it arrived and is elsewhere; check hand-eye and arm")
 
-    def _planned(self, T_goal: RigidTransform) -> tuple[FlangePath, list[RigidTransform]]:
+    def _planned(self, T_goal: RigidTransform) -> _Planned:
         """The driver's way from here, and the camera's poses on it; RefusedError if it is not allowed."""
         T_start = self.camera_pose()
         path = self.driver.plan(self.cell.flange_at(T_goal))
@@ -172,7 +178,7 @@ class GuardedArm:
             raise RefusedError(T_goal, f"the arm's way is not allowed: {why}")
         return path, poses
 
-    def _motion(self, poses: Sequence[RigidTransform], path: FlangePath) -> Motion:
+    def _motion(self, path: FlangePath, poses: Sequence[RigidTransform]) -> Motion:
         places = np.array([T.translation for T in poses])
         length = float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
         return Motion(poses[0], poses[-1], length, path.duration_s, self.guard.nearest(poses))

@@ -1,4 +1,4 @@
-"""Nothing is sent that leaves the workspace, goes under the table or comes near the object, by dense points of it all."""
+"""Nothing is sent that leaves the workspace, goes under the table or comes near the object, by dense points."""
 
 from itertools import pairwise
 
@@ -122,7 +122,10 @@ def misbehaving(rng: np.random.Generator):
             return None
         if kind == 1:  # out of the way, smoothly, and back
             push = rng.normal(size=3) * 0.3
-            poses = [RigidTransform.from_translation(push * np.sin(np.pi * k)) * T for k, T in zip(phases, poses)]
+            poses = [
+                RigidTransform.from_translation(push * np.sin(np.pi * k)) * T
+                for k, T in zip(phases, poses, strict=True)
+            ]
         elif kind == 2:  # a jump
             poses = [poses[0], poses[-1]]
         elif kind == 3:  # begins elsewhere
@@ -135,7 +138,7 @@ def misbehaving(rng: np.random.Generator):
             return FlangePath(tuple(poses), np.nan)
         elif kind == 7:  # turned over on the way
             turns = [Rotation.from_rotvec([0, 2 * np.pi * k, 0]) for k in phases]
-            poses = [T * RigidTransform.from_rotation(turn) for T, turn in zip(poses, turns)]
+            poses = [T * RigidTransform.from_rotation(turn) for T, turn in zip(poses, turns, strict=True)]
         return FlangePath(tuple(poses), path.duration_s)
 
     return bend
@@ -182,5 +185,5 @@ def test_random_plans_of_planners_that_misbehave():
 def test_ten_thousand_random_plans():
     """No pose of any way that was sent is wrong, by dense points of what moves every 2 mm."""
     n_sent, n_refused = send_plans(10_000, 2)
-    print(f"{n_sent} motions sent, {n_refused} of 10000 goals refused, no pose wrong")
+    print(f"{n_sent} motions sent, {n_refused} of 10000 goals refused, no pose wrong")  # noqa: T201 (shown with -s)
     assert n_sent > 1000
