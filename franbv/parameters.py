@@ -59,7 +59,8 @@ class Parameters(BaseModel):
     miss_probability: Share = _number(
         0.48,
         "Occupancy of a voxel that a ray crosses [-]. Choice: nearer to 0.5 than OctoMap's 0.4, so that false depth "
-        "does not undo in one view what another hit; of the readings it comes nearest to the paper's four objects (docs/comparison.md).",
+        "does not undo in one view what another hit; of the readings it comes nearest to the paper's four objects "
+        "(docs/comparison.md).",
     )
     min_probability: Share = _number(0.12, "Lower clamp of the occupancy [-]. OctoMap's default (0.1192).")
     max_probability: Share = _number(0.97, "Upper clamp of the occupancy [-]. OctoMap's default (0.971).")

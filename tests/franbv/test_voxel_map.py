@@ -74,9 +74,10 @@ def test_a_ray_along_an_axis_crosses_a_column():
 def test_log_odds_follow_octomap():
     """n hits add n ln(0.7 / 0.3) until ln(0.97 / 0.03); misses add ln(0.4 / 0.6) until ln(0.12 / 0.88)."""
     T = RigidTransform.from_components([0.1, -0.2, 0.5], Rotation.from_euler("x", 180, degrees=True))
-    grid = empty_map(TINY)
+    octomap = TINY.model_copy(update={"miss_probability": 0.4})
+    grid = empty_map(octomap)
     for scan in range(1, 13):
-        grid = grid.updated(np.array([[0.5]]), Intrinsics(1, 1, 1.0, 1.0, 0.0, 0.0), T, TINY)
+        grid = grid.updated(np.array([[0.5]]), Intrinsics(1, 1, 1.0, 1.0, 0.0, 0.0), T, octomap)
         assert grid.log_odds[6, 2, 3] == pytest.approx(min(scan * np.log(0.7 / 0.3), np.log(0.97 / 0.03)))
         assert grid.log_odds[6, 2, 5] == pytest.approx(max(scan * np.log(0.4 / 0.6), np.log(0.12 / 0.88)))
     assert (grid.occupied.sum(), grid.free.sum()) == (1, 2)

@@ -22,10 +22,10 @@ from franbv.adapters.live.keeper import Keeper, NoKeeper
 from franbv.adapters.live.opened_camera import open_camera
 from franbv.adapters.live.pulse import Pulse
 from franbv.adapters.live.resumed import CannotResumeError
-from franbv.adapters.live.run import LiveRun, last_recording
 from franbv.adapters.live.stated import stated_in
 from franbv.adapters.live.switch import StoppedError, StopSwitch
-from franbv.adapters.recording.contents import RecordingError, RunFacts
+from franbv.adapters.recording.contents import Recording, RecordingError, RunFacts
+from franbv.adapters.recording.opening import record_extra
 from franbv.candidates import first_view
 from franbv.parameters import Parameters
 from franbv.planners import PLANNERS
@@ -61,9 +61,11 @@ def run_live(flags: argparse.Namespace) -> int:
     if flags.seed < 0:
         raise CellError("--seed: give 0 or more")
     _check_frame(cell, parameters, flags.cell)
-    found = last_recording(flags.out)
+    found = _last_recording(flags.out)
     if found is not None and found.stop is not None:
         return _finished(flags, f"{found.path}: this run is finished ({found.stop})", len(found.bursts), found.stop)
+    with record_extra():
+        from franbv.adapters.live.run import LiveRun
     switch = StopSwitch()
     with contextlib.ExitStack() as open_things, switch.at_signals():
         opened = open_camera(flags.camera, stated_in(flags.camera_settings))
@@ -104,8 +106,15 @@ def run_live(flags: argparse.Namespace) -> int:
     return _finished(flags, words, len(ended.acquisitions), str(ended.stop))
 
 
+def _last_recording(out: Path) -> Recording | None:
+    with record_extra():
+        from franbv.adapters.live.run import last_recording
+
+        return last_recording(out)
+
+
 def _finished(flags: argparse.Namespace, words: str, acquisitions: int, stop: str) -> int:
-    path = last_recording(flags.out)
+    path = _last_recording(flags.out)
     assert path is not None
     _say(f"{words}. Its report: franbv replay {path.path} --out {flags.out / 'report'}")
     if flags.json:

@@ -11,7 +11,7 @@ from franbv.adapters.live.opened_camera import OpenedCamera, open_camera
 from franbv.adapters.live.stated import stated_in
 from franbv.adapters.recording.contents import RunFacts
 from franbv.adapters.recording.messages import MOST_FRAMES
-from franbv.adapters.recording.writer import RecordingWriter
+from franbv.adapters.recording.opening import record_extra
 from franbv.parameters import Parameters
 
 
@@ -37,6 +37,8 @@ def record_bursts(flags: argparse.Namespace) -> int:
     if flags.out.suffix != ".mcap":
         raise CellError(f"--out {flags.out}: recordings are MCAP; give a file FILE.mcap")
     cell = read_cell(flags.cell)
+    with record_extra():
+        from franbv.adapters.recording.writer import RecordingWriter
     with contextlib.ExitStack() as open_things:
         opened: OpenedCamera = open_camera(flags.camera, stated_in(flags.camera_settings))
         open_things.callback(opened.close)
