@@ -63,7 +63,7 @@ lock: ## Resolve the dependencies into requirements.lock (all to their newest: m
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet 'uv>=0.9'
 	$(BIN)/uv pip compile --quiet --universal --generate-hashes $(UPGRADE) --no-header --no-emit-index-url \
-		--no-emit-find-links --extra test --extra docs --output-file requirements.lock pyproject.toml
+		--no-emit-find-links --extra studies --extra test --extra docs --output-file requirements.lock pyproject.toml
 
 clean: ## Remove the environment, the caches and the demo's result
 	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis .import_linter_cache runs/demo

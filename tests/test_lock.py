@@ -41,7 +41,7 @@ def test_the_lock_answers_the_project(python: str):
     here = [pin for pin in PINS if pin["marker"] is None or Marker(pin["marker"]).evaluate(environment)]
     versions = {canonicalize_name(pin["name"]): pin["version"] for pin in here}
     assert len(versions) == len(here), "pinned twice"
-    for line in [*project["dependencies"], *extras["test"], *extras["docs"]]:
+    for line in [*project["dependencies"], *extras["studies"], *extras["test"], *extras["docs"]]:
         wanted = Requirement(line)
         name = canonicalize_name(wanted.name)
         assert name in versions, f"{line}: not in requirements.lock; run `make lock`"

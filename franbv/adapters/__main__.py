@@ -10,9 +10,14 @@ from franbv.adapters.realsense import commands as realsense
 from franbv.adapters.recording import command as recording
 
 
-def run(args: Sequence[str]) -> int:
-    """Exit status: 0 done, 1 a check failed, 2 bad input or a camera that does not deliver, in one line."""
-    parser = argparse.ArgumentParser("python -m franbv.adapters", description="Real cameras and recordings of them.")
+def run(args: Sequence[str], program: str = "") -> int:
+    """Exit status: 0 done, 1 a check failed, 2 bad input or a camera that does not deliver, in one line.
+
+    program: how it was called, where that was not `python -m franbv.adapters`.
+    """
+    parser = argparse.ArgumentParser(
+        program or "python -m franbv.adapters", description="Real cameras and arms, and recordings of them."
+    )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     realsense.add_commands(commands)
     recording.add_recording_commands(commands)
@@ -22,7 +27,8 @@ def run(args: Sequence[str]) -> int:
     try:
         return flags.run(flags)
     except ONE_LINE as error:
-        sys.stderr.write(f"franbv.adapters: {' '.join(str(error).split())}\n")
+        name = f"{program} {args[0]}" if program else "franbv.adapters"
+        sys.stderr.write(f"{name}: {' '.join(str(error).split())}\n")
         return 2
 
 

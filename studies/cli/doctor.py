@@ -43,7 +43,9 @@ BROKEN_INSTALLATION = (ImportError, OSError, subprocess.SubprocessError)
 """What a package raises that is not whole."""
 FOREIGN = ("numba", "llvmlite", "drjit", "mitsuba")
 """Packages whose own errors speak of themselves."""
-REINSTALL = "reinstall the packages: `make setup` in the repository, or pip install --force-reinstall franbv"
+STUDIES_EXTRA = "studies"
+"""Of the package, with everything that simulator and studies need."""
+REINSTALL = "reinstall the packages: `make setup` in the repository, or pip install --force-reinstall 'franbv[studies]'"
 
 
 @dataclass(frozen=True)
@@ -98,11 +100,15 @@ def python() -> Check:
 def packages() -> Check:
     """Installed versions against the requirements that the package itself states."""
     requirements = [Requirement(line) for line in importlib.metadata.requires("franbv") or []]
-    needed = [r for r in requirements if r.marker is None or r.marker.evaluate({"extra": ""})]
+    needed = [r for r in requirements if r.marker is None or r.marker.evaluate({"extra": STUDIES_EXTRA})]
     wrong = [problem for r in needed if (problem := _mismatch(r))]
     pins = [f"{r.name} {importlib.metadata.version(r.name)}" for r in needed if "==" in str(r.specifier) and not wrong]
     if wrong:
-        return Check("packages", "; ".join(wrong), "pip install --upgrade franbv, or `make setup` in its repository")
+        return Check(
+            "packages",
+            "; ".join(wrong),
+            f"pip install --upgrade 'franbv[{STUDIES_EXTRA}]', or `make setup` in its repository",
+        )
     return Check("packages", f"{len(needed)} as required; {', '.join(pins)}")
 
 

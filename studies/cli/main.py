@@ -29,6 +29,9 @@ COMMANDS = {
         "studies.readings.command",
         "Which reading of what the paper's text leaves open makes its table.",
     ),
+    "run": ("studies.cli.robot:run", "Reconstruct with a real camera on a real arm; a dry run unless told to move."),
+    "record": ("studies.cli.robot:record", "Take bursts of a real camera by hand; nothing is moved."),
+    "cameras": ("studies.cli.robot:cameras", "List the RealSense cameras that are plugged in."),
     "dataset make": (
         "studies.dataset.make.command",
         "Render labelled depth of random scenes from a declared distribution.",
@@ -37,7 +40,7 @@ COMMANDS = {
     "dataset show": ("studies.dataset.show.command", "Make a contact sheet and statistics of a dataset."),
     "report": ("studies.cli.report", "Rebuild the HTML report from the stored results."),
 }
-"""Command, of one word or two -> (module with `run(args) -> exit status`, what it does)."""
+"""Command, of one word or two -> (module with `run(args) -> exit status`, or another function of it, what it does)."""
 
 DEBUG_VARIABLE = "FRANBV_DEBUG"
 """Set to 1, an error in one line is preceded by where it came from."""
@@ -97,6 +100,8 @@ def overview(group: str = "") -> str:
     )
 
 
+OURS = ("franbv", "render", "scenes", "materials", "studies")
+"""A module of these that is missing is a fault, anything else an extra that was not installed."""
 FIRST_WORDS = {name.split()[0] for name in COMMANDS if " " in name}
 """First words of the commands of two."""
 
@@ -109,7 +114,12 @@ def _run(args: list[str]) -> int:
     if name not in COMMANDS:
         raise InputError(f"unknown command `{name}`; {suggest(name, COMMANDS)}")
     try:
-        return importlib.import_module(COMMANDS[name][0]).run(args[len(name.split()) :])
+        module, _, function = COMMANDS[name][0].partition(":")
+        return getattr(importlib.import_module(module), function or "run")(args[len(name.split()) :])
+    except ModuleNotFoundError as error:
+        if (error.name or "franbv").split(".")[0] in OURS:
+            raise
+        raise InputError(f"needs the package {error.name}; pip install 'franbv[studies]'") from error
     except SystemExit as stop:  # after --help
         return int(stop.code or 0)
 

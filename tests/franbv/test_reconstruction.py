@@ -119,7 +119,8 @@ def test_false_depth_that_carves_the_surface_lowers_the_coverage_of_the_map(anal
     """The first view sees the top of the box; in all later ones the top mirrors and its depth is 5 cm too far.
 
     Each such view misses the top's voxels: one hit is worth ln(0.7 / 0.3) = 0.85 and, with OctoMap's odds, a miss
-    ln(0.4 / 0.6) = -0.41, so three of them make the top free. No false point comes within 5 mm of it, so the cloud's coverage stays as it was.
+    ln(0.4 / 0.6) = -0.41, so three of them make the top free. No false point comes within 5 mm of it, so the cloud's
+    coverage stays as it was.
     """
 
     class FalseFromSecondViewOn:

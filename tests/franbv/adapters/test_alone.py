@@ -1,11 +1,14 @@
 """A computer at the robot has the planner and its adapters, and nothing of simulator, studies or a camera's SDK."""
 
 import importlib
+import re
 import subprocess
 import sys
 import textwrap
+import tomllib
 
 import pytest
+from packaging.requirements import Requirement
 
 from franbv.adapters.camera_error import CameraError
 from franbv.adapters.realsense.sdk import sdk
@@ -48,6 +51,31 @@ def test_a_burst_without_simulator_and_studies():
         """,
     )
     assert done.stdout.strip() == "(2, 40, 60)", done.stderr
+
+
+def test_the_plain_package_brings_no_simulator():
+    """What pip installs with `franbv[realsense]`: the planner's packages and the camera's SDK."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    wanted = [*project["dependencies"], *project["optional-dependencies"]["realsense"]]
+    names = {Requirement(line).name.lower().replace("-", "_") for line in wanted}
+    assert "pyrealsense2" in names
+    assert not names & {name.lower() for name in (*ABSENT, "opencv_python_headless", "karellen_llvm_core")}
+
+
+def test_the_tool_without_simulator_and_studies():
+    """The commands for a robot run where the extra `studies` is not installed; the others name it in one line."""
+    done = without(
+        tuple(name for name in ABSENT if name not in ("studies", "materials")),
+        """
+        from studies.cli.main import main
+        print(main(["run", "--cell", "none.yaml", "--arm", "ros", "--camera", "realsense", "--out", "none"]))
+        print(main(["reconstruct", "--part", "D", "--out", "none"]))
+        """,
+    )
+    assert done.stdout.split() == ["2", "2"], done.stderr
+    first, second = done.stderr.splitlines()
+    assert first == "franbv run: none.yaml: cannot be read (No such file or directory); name the cell's YAML file"
+    assert re.fullmatch(r"franbv reconstruct: needs the package \w+; pip install 'franbv\[studies\]'", second)
 
 
 def test_without_the_sdk_the_mend_is_named():
