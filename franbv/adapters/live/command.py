@@ -79,7 +79,7 @@ def run_live(flags: argparse.Namespace) -> int:
             keeper = Keeper(flags.arm, cell.arm)
         open_things.callback(keeper.close)
         pulse = Pulse(opened.drain)
-        confirm = Confirm(switch, not flags.go, pulse.begin, _say)
+        confirm = Confirm(switch, not flags.go, pulse.begin, _say, _ask)
         arm = GuardedArm(driver, cell, guard, switch, keeper, confirm, pulse, parameters.roll_deg)
         if not moving:
             return _dry_run(arm, driver, parameters, flags)
@@ -175,6 +175,11 @@ def _versions() -> dict[str, str]:
 def _say_acquisition(a: Acquisition) -> None:
     found = "" if a.detection is None or not a.detection.boxes else f", {len(a.detection.boxes)} reflective regions"
     _say(f"{a.index + 1}: {a.kind} view taken, {len(a.model.object.occupied)} voxels of object{found}")
+
+
+def _ask(words: str) -> None:
+    sys.stdout.write(words)
+    sys.stdout.flush()
 
 
 def _say(words: str) -> None:

@@ -1,5 +1,6 @@
 """The question before each motion."""
 
+import os
 import select
 import sys
 from collections.abc import Callable
@@ -7,6 +8,9 @@ from dataclasses import dataclass
 
 from franbv.adapters.live.guarded_arm import Motion
 from franbv.adapters.live.switch import StopSwitch
+
+_LOOK_EVERY_S = 0.1
+"""For an answer [s] (choice)."""
 
 
 @dataclass
@@ -19,6 +23,7 @@ class Confirm:
     begin: Callable[[], None]
     """Called when it may."""
     say: Callable[[str], None]
+    ask: Callable[[str], None]
 
     def __call__(self, motion: Motion) -> bool:
         self.say(motion.sentence())
@@ -32,13 +37,26 @@ class Confirm:
     def _answer(self) -> str:
         """y, n or q; q where nobody can answer."""
         while self.switch.why is None:
-            sys.stdout.write("move? [y]es, [n]o: another pose, [q]uit: ")
-            sys.stdout.flush()
-            while self.switch.why is None and not select.select([sys.stdin], [], [], 0.1)[0]:
-                pass
-            said = "q" if self.switch.why is not None else sys.stdin.readline()
-            if not said:
+            self.ask("move? [y]es, [n]o: another pose, [q]uit: ")
+            said = self._line()
+            if said is None:
                 return "q"
             if said.strip().lower()[:1] in ("y", "n", "q"):
                 return said.strip().lower()[:1]
         return "q"
+
+    def _line(self) -> str | None:
+        """What a person types; None at the end of the input, or when the switch is pressed.
+
+        Byte by byte, so that nothing is read ahead into a buffer in which `select` does not look.
+        """
+        number, said = sys.stdin.fileno(), b""
+        while not said.endswith(b"\n"):
+            if self.switch.why is not None:
+                return None
+            if select.select([number], [], [], _LOOK_EVERY_S)[0]:
+                byte = os.read(number, 1)
+                if not byte:
+                    return None
+                said += byte
+        return said.decode(errors="replace")

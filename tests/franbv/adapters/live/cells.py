@@ -84,3 +84,8 @@ def guarded(driver: ScriptedArm, cell: Cell = CELL, **settings) -> GuardedArm:
     """The planner's arm on it, which asks nobody."""
     made = {"switch": StopSwitch(), "keeper": NoKeeper(), "may_move": lambda motion: True} | settings
     return GuardedArm(driver, cell, Guard(cell, MIN_Z), **made)
+
+
+def open_scripted(speed: float = 0.2) -> ScriptedArm:
+    """For the commands: `--arm tests.franbv.adapters.live.cells:open_scripted`."""
+    return ScriptedArm(name=f"scripted arm at {speed:g} m/s")
