@@ -11,10 +11,10 @@ import yaml
 from franbv.adapters.__main__ import run
 from franbv.adapters.recording.mcap_recording import read_recording
 from tests.franbv.adapters.live.cells import CELL
+from tests.franbv.adapters.live.controllers import CAMERA
 from tests.franbv.adapters.recording.recorded_run import PARAMETERS
 
 ARM = "tests.franbv.adapters.live.cells:open_scripted"
-CAMERA = "tests.franbv.adapters.live.analytic_cell:open_analytic"
 
 
 @pytest.fixture
