@@ -83,7 +83,7 @@ class Cell(BaseModel):
             if not all(a < b for a, b in zip(lower, upper, strict=True)):
                 raise ValueError(f"{name}: lower corner {lower} is not below the upper one {upper}")
         for name in ("T_world_base", "T_flange_cam"):
-            _rigid(name, getattr(self, name))
+            rigid(name, getattr(self, name))
         if self.object_box[1][2] <= self.table_height:
             raise ValueError(f"object_box: ends at {self.object_box[1][2]} m, under the table, {self.table_height} m")
         return self
@@ -91,12 +91,12 @@ class Cell(BaseModel):
     @property
     def world_base(self) -> RigidTransform:
         """T_world_base."""
-        return _rigid("T_world_base", self.T_world_base)
+        return rigid("T_world_base", self.T_world_base)
 
     @property
     def flange_cam(self) -> RigidTransform:
         """T_flange_cam."""
-        return _rigid("T_flange_cam", self.T_flange_cam)
+        return rigid("T_flange_cam", self.T_flange_cam)
 
     def flange_at(self, T_world_cam: RigidTransform) -> RigidTransform:
         """T_base_flange that brings the camera to this pose."""
@@ -107,7 +107,8 @@ class Cell(BaseModel):
         return self.world_base * T_base_flange * self.flange_cam
 
 
-def _rigid(name: str, rows: Matrix) -> RigidTransform:
+def rigid(name: str, rows: Matrix) -> RigidTransform:
+    """The transform of stated rows; ValueError, with the name, where they are none."""
     matrix: Float[np.ndarray, "4 4"] = np.array(rows, float)
     if matrix.shape != (4, 4) or not np.array_equal(matrix[3], (0, 0, 0, 1)):
         raise ValueError(f"{name}: give four rows of four numbers, the last one 0 0 0 1")

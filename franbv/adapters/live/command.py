@@ -10,16 +10,18 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from franbv.acquisition import Acquisition
-from franbv.adapters.arms.driver import ArmDriver, ArmError
+from franbv.acquisition import Acquisition, Reconstruction
+from franbv.adapters.arms.driver import ArmError
 from franbv.adapters.arms.opening import open_arm
 from franbv.adapters.camera_error import CameraError
+from franbv.adapters.live.by_hand import MANUAL, manual_arm
 from franbv.adapters.live.cell import Cell, CellError, read_cell
 from franbv.adapters.live.confirming import Confirm
 from franbv.adapters.live.guard import Guard
 from franbv.adapters.live.guarded_arm import Beating, GuardedArm, RefusedError
 from franbv.adapters.live.keeper import Keeper, NoKeeper
-from franbv.adapters.live.opened_camera import open_camera
+from franbv.adapters.live.obstacles import AvoidsBoxes, cell_obstacles
+from franbv.adapters.live.opened_camera import OpenedCamera, open_camera
 from franbv.adapters.live.pulse import Pulse
 from franbv.adapters.live.resumed import CannotResumeError
 from franbv.adapters.live.stated import stated_in
@@ -64,46 +66,67 @@ def run_live(flags: argparse.Namespace) -> int:
     found = _last_recording(flags.out)
     if found is not None and found.stop is not None:
         return _finished(flags, f"{found.path}: this run is finished ({found.stop})", len(found.bursts), found.stop)
-    with record_extra():
-        from franbv.adapters.live.run import LiveRun
     switch = StopSwitch()
     with contextlib.ExitStack() as open_things, switch.at_signals():
         opened = open_camera(flags.camera, stated_in(flags.camera_settings))
         open_things.callback(opened.close)
-        driver = open_arm(flags.arm, cell.arm)
-        open_things.callback(driver.close)
-        guard = Guard(cell, opened.camera.min_z)
-        moving = flags.move or flags.go
-        keeper: Beating = NoKeeper()
-        if moving:
-            keeper = Keeper(flags.arm, cell.arm)
-        open_things.callback(keeper.close)
-        pulse = Pulse(opened.drain)
-        confirm = Confirm(switch, not flags.go, pulse.begin, _say, _ask)
-        arm = GuardedArm(driver, cell, guard, switch, keeper, confirm, pulse, parameters.roll_deg)
-        if not moving:
-            return _dry_run(arm, driver, parameters, flags)
-        facts = RunFacts(
-            title=f"{flags.planner} on {driver.name}",
-            planner=flags.planner,
-            parameters=parameters.model_dump(mode="json"),
-            seed=flags.seed,
-            azimuth_deg=flags.azimuth,
-            sensor=dict(opened.settings),
-            versions=_versions(),
-        )
-        run = LiveRun(
-            opened.camera, arm, PLANNERS[flags.planner].build(), parameters, facts, opened.facts, flags.out,
-            opened.infrared, opened.times_ns, _say_acquisition, _say,
-        )  # fmt: skip
-        try:
-            ended = run.go()
-        except ValueError as error:
-            if isinstance(error, ONE_LINE):
-                raise
-            raise CellError(f"{flags.cell}: {error}; check workspace, object_box and the arm's reach") from error
+        arm = _opened_arm(flags, cell, parameters, opened, switch, open_things)
+        if not (flags.move or flags.go):
+            return _dry_run(arm, parameters, flags)
+        ended = _reconstructed(flags, parameters, opened, arm)
     words = f"{flags.out}: {len(ended.acquisitions)} acquisitions, ended by {ended.stop}"
     return _finished(flags, words, len(ended.acquisitions), str(ended.stop))
+
+
+def _opened_arm(
+    flags: argparse.Namespace,
+    cell: Cell,
+    parameters: Parameters,
+    opened: OpenedCamera,
+    switch: StopSwitch,
+    open_things: contextlib.ExitStack,
+) -> GuardedArm:
+    """The arm behind its guard; what was opened for it is closed with the stack."""
+    by_hand = flags.arm == MANUAL
+    driver = manual_arm(cell.arm, opened.look, _say, input) if by_hand else open_arm(flags.arm, cell.arm)
+    open_things.callback(driver.close)
+    if isinstance(driver, AvoidsBoxes):
+        driver.set_obstacles(cell_obstacles(cell))
+    keeper: Beating = NoKeeper()
+    if (flags.move or flags.go) and not by_hand:
+        keeper = Keeper(flags.arm, cell.arm)
+    open_things.callback(keeper.close)
+    pulse = Pulse(opened.drain)
+    confirm = Confirm(switch, not flags.go and not by_hand, pulse.begin, _say, _ask)
+    guard = Guard(cell, opened.camera.min_z)
+    return GuardedArm(driver, cell, guard, switch, keeper, confirm, pulse, parameters.roll_deg, by_hand)
+
+
+def _reconstructed(
+    flags: argparse.Namespace, parameters: Parameters, opened: OpenedCamera, arm: GuardedArm
+) -> Reconstruction:
+    """The run, from where its last recording ends."""
+    with record_extra():
+        from franbv.adapters.live.run import LiveRun
+    facts = RunFacts(
+        title=f"{flags.planner} on {arm.driver.name}",
+        planner=flags.planner,
+        parameters=parameters.model_dump(mode="json"),
+        seed=flags.seed,
+        azimuth_deg=flags.azimuth,
+        sensor=dict(opened.settings),
+        versions=_versions(),
+    )
+    run = LiveRun(
+        opened.camera, arm, PLANNERS[flags.planner].build(), parameters, facts, opened.facts, flags.out,
+        opened.infrared, opened.times_ns, _say_acquisition, _say,
+    )  # fmt: skip
+    try:
+        return run.go()
+    except ValueError as error:
+        if isinstance(error, ONE_LINE):
+            raise
+        raise CellError(f"{flags.cell}: {error}; check workspace, object_box and the arm's reach") from error
 
 
 def _last_recording(out: Path) -> Recording | None:
@@ -122,11 +145,11 @@ def _finished(flags: argparse.Namespace, words: str, acquisitions: int, stop: st
     return 0
 
 
-def _dry_run(arm: GuardedArm, driver: ArmDriver, parameters: Parameters, flags: argparse.Namespace) -> int:
+def _dry_run(arm: GuardedArm, parameters: Parameters, flags: argparse.Namespace) -> int:
     """Say where the camera is, and whether and how the first view would be reached."""
     here, goal = arm.camera_pose(), first_view(parameters, flags.azimuth)
     place = ", ".join(f"{x:+.3f}" for x in here.translation)
-    _say(f"{driver.name}: the camera is at ({place}) m; nothing is moved without --move or --go")
+    _say(f"{arm.driver.name}: the camera is at ({place}) m; nothing is moved without --move or --go")
     here_bad = arm.guard.violation(here)
     if here_bad is not None:
         raise RefusedError(here, f"the camera is {here_bad} where it stands; move it by the arm's own means")

@@ -25,6 +25,8 @@ class OpenedCamera:
     """As of `Pulse`."""
     infrared: Callable[[], Any] = lambda: None
     times_ns: Callable[[], Any] = lambda: None
+    look: Callable[[], Any] | None = None
+    """Takes an infrared image without dots, and its intrinsics; for an arm that is a person."""
     close: Callable[[], None] = lambda: None
 
 

@@ -49,4 +49,4 @@ def opened(camera: RealSenseCamera) -> OpenedCamera:
             return None
         return tuple(int(ms * 1e6) for ms in shot.taken.timestamps_ms)
 
-    return OpenedCamera(camera, facts, said, camera.drain, infrared, times_ns, camera.close)
+    return OpenedCamera(camera, facts, said, camera.drain, infrared, times_ns, camera.unlit_view, camera.close)

@@ -7,6 +7,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Iterator
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
@@ -59,6 +60,8 @@ class FrameSource(Protocol):
     """Of the reduced depth."""
     min_z: float
     """[m]"""
+    full: Intrinsics
+    """Of depth and left infrared image at full resolution; they are the same."""
     depth_unit: float
     """Of one step of the depth images [m]."""
     serial: str
@@ -82,6 +85,10 @@ class FrameSource(Protocol):
 
     def readings(self, frame: CameraFrame | None = None) -> dict[str, float]:
         """Temperatures [deg C], and what the camera says of the frame's exposure [us], gain and laser [mW]."""
+        ...
+
+    def unlit(self) -> AbstractContextManager[None]:
+        """The dot projector is off as long as this lasts."""
         ...
 
     def close(self) -> None:

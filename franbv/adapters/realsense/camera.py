@@ -94,6 +94,18 @@ class RealSenseCamera:
         self.last_shot = self.shoot(T_world_cam, n_frames)
         return self.last_shot.burst
 
+    def unlit_view(self) -> tuple[UInt8[np.ndarray, "h w"], Intrinsics]:
+        """A left infrared image without dots [DN], at full resolution, and its intrinsics: to find a board in.
+
+        CameraError without `RealSenseSettings.infrared`, or when the camera does not deliver.
+        """
+        source, s = self._opened(), self.settings
+        if not s.infrared:
+            raise CameraError(f"RealSense {s.serial or ''}: sends no infrared images; set infrared")
+        with source.unlit():
+            taken = take_burst(source, 1, max(s.settle_frames, 1), s.settle_s, s.frame_timeout_s)
+        return taken.images[LEFT_INFRARED][0], source.full
+
     def drain(self) -> int:
         """Throw away frames that nobody asked for; how many came since the last call."""
         return self._opened().drain()

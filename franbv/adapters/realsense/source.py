@@ -186,6 +186,19 @@ class RealSenseSource:
                     found[ours] = float(frame.raw.get_frame_metadata(value))
         return found
 
+    @contextmanager
+    def unlit(self) -> Iterator[None]:
+        """The dot projector is off as long as this lasts; see `FrameSource.unlit`."""
+        option = sdk().option.emitter_enabled
+        with self._asking("does not switch its projector", StreamLostError):
+            was = self._sensor.get_option(option)
+            self._sensor.set_option(option, 0.0)
+        try:
+            yield
+        finally:
+            with self._asking("does not switch its projector", StreamLostError):
+                self._sensor.set_option(option, was)
+
     def close(self) -> None:
         """Stop the stream, whatever state the camera is in."""
         sensor, self._sensor = self._sensor, None
