@@ -47,8 +47,8 @@ class Keeper:
             answer = self._process.stdout.readline()
         if answer.strip() != READY.encode():
             self.close()
-            raise ArmError("the second connection to the arm, which stops it if this program dies, was not made; "
-                           "allow two connections")  # fmt: skip
+            why = answer.decode(errors="replace").strip() or "no answer"
+            raise ArmError(f"the second connection to the arm, which stops it if this program dies, failed: {why}")
 
     def beat(self) -> None:
         """All is well; ArmError if nobody listens any more."""
@@ -135,7 +135,7 @@ def main(said: str) -> int:
     try:
         driver = open_arm(stated["kind"], stated["settings"])
     except ArmError as error:
-        sys.stderr.write(f"{error}\n")
+        sys.stdout.write(f"{error}\n")
         return 1
     sys.stdout.write(f"{READY}\n")
     sys.stdout.flush()

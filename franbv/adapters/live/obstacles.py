@@ -23,7 +23,7 @@ class AvoidsBoxes(Protocol):
 
 
 def cell_obstacles(cell: Cell) -> list[CollisionBox]:
-    """The boxes in the arm's base frame. The table is a slab under the workspace, so that the arm's foot is not in it."""
+    """The boxes in the arm's base frame. The table is a slab under the workspace: the arm's foot is not in it."""
     (x, y, _), (x_end, y_end, _) = cell.workspace
     slab = ((x, y, cell.table_height - SLAB_M), (x_end, y_end, cell.table_height))
     named = {"table": slab, "object": cell.object_box, **cell.keep_out}

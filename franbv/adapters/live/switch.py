@@ -34,7 +34,7 @@ class StopSwitch:
     def press(self, why: str) -> None:
         """Press it; from any thread, again and again. What was asked for with `on_press` is done at once."""
         self.why = self.why or why
-        for action in list(self._then):
+        for action in tuple(self._then):
             action()
 
     @contextlib.contextmanager
@@ -63,7 +63,9 @@ class StopSwitch:
                 signal.signal(getattr(signal, name), handler)
 
     def _of_signal(self, number: int, frame: FrameType | None) -> None:
-        self.press(f"stopped by {signal.Signals(number).name}")
+        self.why = self.why or f"stopped by {signal.Signals(number).name}"
+        # In a thread of its own: what the signal interrupts may hold the very lock that telling the arm needs.
+        threading.Thread(target=self.press, args=(self.why,), daemon=True).start()
 
     @contextlib.contextmanager
     def at_keys(self, keys: Any = None) -> Iterator[None]:
