@@ -4,6 +4,8 @@ import argparse
 import sys
 from collections.abc import Sequence
 
+from franbv.adapters.calibration import command as calibration
+from franbv.adapters.calibration.calibration_error import CalibrationError
 from franbv.adapters.camera_error import CameraError
 from franbv.adapters.realsense import commands as realsense
 from franbv.adapters.recording import command as recording
@@ -12,14 +14,17 @@ from franbv.adapters.recording.contents import RecordingError
 
 def run(args: Sequence[str]) -> int:
     """Exit status: 0 done, 1 a check failed, 2 bad input or a camera that does not deliver, in one line."""
-    parser = argparse.ArgumentParser("python -m franbv.adapters", description="Real cameras and recordings of them.")
+    parser = argparse.ArgumentParser(
+        "python -m franbv.adapters", description="Real cameras, their calibration and recordings."
+    )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     realsense.add_commands(commands)
     recording.add_recording_commands(commands)
+    calibration.add_calibration_commands(commands)
     flags = parser.parse_args(args)
     try:
         return flags.run(flags)
-    except (CameraError, RecordingError) as error:
+    except (CalibrationError, CameraError, RecordingError) as error:
         sys.stderr.write(f"franbv.adapters: {' '.join(str(error).split())}\n")
         return 2
 

@@ -1,7 +1,7 @@
 """What an arm must be able to do before anything of ours moves it; `franbv.adapters.live` makes a planner's arm of it.
 
-A driver knows its base and its flange alone. Camera, world, plinth and object are the cell's affair, and whether a way is
-allowed is the guard's.
+A driver knows its base and its flange alone. Camera, world, plinth and object are the cell's affair, and whether a way
+is allowed is the guard's.
 """
 
 from collections.abc import Callable
