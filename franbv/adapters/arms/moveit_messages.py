@@ -172,8 +172,9 @@ def joint_way(message: Json) -> JointWay:
     try:
         path = message["joint_trajectory"]
         names = tuple(path["joint_names"])
-        positions = np.array([point["positions"] for point in path["points"]], float).reshape(-1, len(names))
-        times = [point["time_from_start"] for point in path["points"]]
+        points = path["points"]
+        positions = np.array([point["positions"] for point in points], float).reshape(len(points), len(names))
+        times = [point["time_from_start"] for point in points]
         seconds = np.array([time["sec"] + 1e-9 * time["nanosec"] for time in times])
     except (KeyError, TypeError, ValueError) as error:
         raise ArmError(

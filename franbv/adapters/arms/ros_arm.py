@@ -15,7 +15,7 @@ from typing import Any
 
 from scipy.spatial.transform import RigidTransform
 
-from franbv.adapters.arms.driver import ArmError, FlangePath
+from franbv.adapters.arms.driver import POLL_S, ArmError, FlangePath
 from franbv.adapters.arms.flange_poses import apart, flange_poses
 from franbv.adapters.arms.joint_states import JointStates, farthest
 from franbv.adapters.arms.moveit_messages import (
@@ -35,7 +35,7 @@ from franbv.adapters.arms.moveit_messages import (
     scene_request,
 )
 from franbv.adapters.arms.ros_settings import RosArmSettings
-from franbv.adapters.arms.rosbridge import POLL_S, Goal, RosBridge, one_line
+from franbv.adapters.arms.rosbridge import Goal, RosBridge, one_line
 
 IK, FK, PLAN, SCENE = "/compute_ik", "/compute_fk", "/plan_kinematic_path", "/apply_planning_scene"
 """MoveIt's services (move_group's capabilities of kinematics, planning and scenes)."""

@@ -13,10 +13,8 @@ from functools import cache
 from types import TracebackType
 from typing import Any
 
-from franbv.adapters.arms.driver import ArmError
+from franbv.adapters.arms.driver import POLL_S, ArmError
 
-POLL_S = 0.02
-"""How often a wait looks up [s] (choice: under the 50 ms of `ArmDriver.execute`)."""
 _CLOSING_S = 2.0
 """How long a connection is given to close [s] (choice: then the other side has gone)."""
 _LOGGER = logging.getLogger("roslibpy")

@@ -76,4 +76,4 @@ def read_hand_eye(path: Path) -> RigidTransform:
         rows = np.zeros(0)
     if rows.shape != (4, 4):
         raise CalibrationError(f"{path}: has no {_KEY} of 4 x 4 numbers; make it with calibrate hand-eye")
-    return as_transform(tuple(map(tuple, rows.tolist())), f"{path}: {_KEY}")
+    return as_transform(rows, f"{path}: {_KEY}")

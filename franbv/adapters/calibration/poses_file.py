@@ -153,8 +153,8 @@ def read_image(path: Path) -> UInt8[np.ndarray, "h w"]:
     return np.asarray(image, np.uint8)
 
 
-def as_transform(pose: _Pose, place: str) -> RigidTransform:
-    """A pose as it is written; CalibrationError where it is none."""
+def as_transform(pose: Any, place: str) -> RigidTransform:
+    """A pose as it is written, 4 x 4 or 7 numbers; CalibrationError where it is none."""
     numbers = np.array(pose, float)
     if not np.isfinite(numbers).all():
         raise CalibrationError(f"{place}: not all numbers are finite; take the pose out")

@@ -80,7 +80,7 @@ class StubMoveIt:
     late_s: float = 0.0
     heard: list[dict[str, Any]] = field(default_factory=list)
     wrong: list[str] = field(default_factory=list)
-    moved_after_stop: bool = False
+    n_results: int = 0
     port: int = 0
     stop: threading.Event = field(default_factory=threading.Event)
     closing: threading.Event = field(default_factory=threading.Event)
@@ -255,6 +255,7 @@ class StubMoveIt:
             return
         result = filled({"error_code": {"val": code}}, f"{ACTION}_Result", self.version)
         self.wrong += faults(result, f"{ACTION}_Result", self.version, complete=True)
+        self.n_results += 1
         status = {1: 4, -7: 5}.get(code, 6)
         self._send(connection, base | {"values": result, "status": status, "result": True})
 
