@@ -18,6 +18,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from franbv.adapters.arms.driver import ArmError
+from franbv.adapters.calibration.calibration_error import CalibrationError
 from franbv.adapters.camera_error import CameraError
 from franbv.adapters.recording.contents import RecordingError
 from franbv.adapters.recording.replay import OffTapeError
@@ -133,7 +135,8 @@ def resolves(name: str) -> bool:
 def test_exceptions_are_what_it_says():
     """Each class of the table is a subclass of the one beside it, and the packages define no others."""
     rows = dict(re.findall(r"^\| `(\w+)` .*?\| (?:`(\w+)`)? *\|", TEXT, re.MULTILINE))
-    told = (InputError, BackendError, FutileError, CameraError, RecordingError, OffTapeError, Stopped)
+    studies = (InputError, BackendError, FutileError, Stopped)
+    told = (*studies, ArmError, CalibrationError, CameraError, RecordingError, OffTapeError)
     ours = {cls.__name__: cls for cls in told}
     assert {name: rows[name] for name in ours} == {name: cls.__bases__[0].__name__ for name, cls in ours.items()}
     sources = [path.read_text() for package in PACKAGES for path in (ROOT / package).rglob("*.py")]

@@ -17,6 +17,7 @@ COMMANDS = {
     "match": ("studies.cli.match", "Match a real infrared pair; score the depth against a reference."),
     "reconstruct": ("studies.cli.reconstruct", "Reconstruct a part view by view and report how it went."),
     "replay": ("studies.cli.replay", "Detect and plan on a recording, with no robot."),
+    "calibrate hand-eye": ("studies.cli.calibrate", "Calibrate where the camera sits on the flange of an arm."),
     "study sensitivity": (
         "studies.sensitivity.command",
         "Which materials and angles break the depth, the detector and the recovery.",

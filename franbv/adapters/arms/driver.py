@@ -10,6 +10,9 @@ from typing import Protocol, runtime_checkable
 
 from scipy.spatial.transform import RigidTransform
 
+POLL_S = 0.02
+"""How often a driver looks up while it waits [s] (choice: well under the 50 ms of `ArmDriver.execute`)."""
+
 
 class ArmError(Exception):
     """An arm that does not do what it was asked; the message is one line with the thing and the mend.

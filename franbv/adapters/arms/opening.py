@@ -6,7 +6,7 @@ from typing import Any
 
 from franbv.adapters.arms.driver import ArmDriver, ArmError
 
-OWN: Mapping[str, str] = {"ros": "franbv.adapters.arms.ros_arm:open_ros_arm"}
+OWN: Mapping[str, str] = {"ros": "franbv.adapters.arms.ros_opening:open_ros_arm"}
 """Where each of ours is opened; loaded when it is asked for."""
 
 

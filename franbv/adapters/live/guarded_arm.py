@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
@@ -193,7 +193,8 @@ class GuardedArm:
         """Make the motion; whatever is raised, the arm has been told to stop."""
         watch = _Watch(self, path, np.array([T.translation for T in poses]))
         try:
-            with self.switch.on_press(self.driver.stop), self.switch.at_keys(), self.keeper.moving():
+            keys = nullcontext() if self.by_hand else self.switch.at_keys()  # a person answers with keys
+            with self.switch.on_press(self.driver.stop), keys, self.keeper.moving():
                 self.driver.execute(path, watch.may_go_on)
         except BaseException:
             self.driver.stop()

@@ -1,12 +1,12 @@
 """Runs on a cell: the same decisions as a replay of their recording, taken up again after whatever stopped them."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import RigidTransform
 
-from franbv.adapters.arms.driver import ArmError
+from franbv.adapters.arms.driver import ArmError, FlangePath
 from franbv.adapters.camera_error import CameraError
 from franbv.adapters.live.resumed import CannotResumeError
 from franbv.adapters.live.run import LiveRun, last_recording, recordings_in
@@ -226,3 +226,24 @@ def test_an_arm_that_leaves_its_way_is_stopped(tmp_path):
     with pytest.raises(ArmError, match=r"mm off its way|did not arrive in time"):
         a_run(tmp_path, arm=arm).go()
     assert driver.stops > 0
+
+
+def test_a_person_as_the_arm(tmp_path):
+    """They take the camera some way of their own and put it 1 cm beside the goal: bursts have the pose where it is."""
+
+    @dataclass
+    class Person(ScriptedArm):
+        def execute(self, path, may_go_on):
+            super().execute(path, may_go_on)
+            self.flange = CELL.flange_at(
+                RigidTransform.from_translation((0.0, 0.01, 0.0)) * CELL.camera_at(self.flange)
+            )
+
+    through_it = lambda path: FlangePath((path.poses[0], path.poses[-1]), 0.0)  # noqa: E731
+    driver = Person(bend=through_it)
+    ended = a_run(tmp_path, arm=guarded(driver, by_hand=True)).go()
+    recording = last_recording(tmp_path)
+    assert recording is not None
+    assert len(recording.bursts) == len(ended.acquisitions) > 3
+    for burst in recording.bursts:
+        assert np.allclose(burst.T_world_cam.translation - burst.T_asked.translation, (0.0, 0.01, 0.0))
