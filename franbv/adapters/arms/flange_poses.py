@@ -37,7 +37,7 @@ def _between(
 ) -> list[RigidTransform]:
     """Poses after `a` up to `b`, none farther from the last than a step."""
     pose_b = forward(b.tolist())
-    metres, degrees = apart(pose_a, pose_b)
+    metres, degrees = pose_distance(pose_a, pose_b)
     if metres <= STEP_M and degrees <= STEP_DEG:
         return [pose_b]
     if not halvings:
@@ -47,7 +47,7 @@ def _between(
     return first + _between(middle, b, first[-1], forward, halvings - 1)
 
 
-def apart(a: RigidTransform, b: RigidTransform) -> tuple[float, float]:
+def pose_distance(a: RigidTransform, b: RigidTransform) -> tuple[float, float]:
     """Distance [m] and angle [deg] between two poses."""
     metres = float(np.linalg.norm(a.translation - b.translation))
     return metres, float(np.degrees((a.rotation.inv() * b.rotation).magnitude()))

@@ -15,13 +15,13 @@ from pydantic import BaseModel, ConfigDict, Field
 from scipy.spatial.transform import RigidTransform, Rotation, Slerp
 
 from franbv.adapters.arms.driver import POLL_S, ArmError, FlangePath
-from franbv.adapters.arms.flange_poses import STEP_DEG, STEP_M, apart
+from franbv.adapters.arms.flange_poses import STEP_DEG, STEP_M, pose_distance
 from franbv.adapters.calibration.calibration_error import CalibrationError
 from franbv.adapters.calibration.charuco import CharucoBoard, ViewRules, find_board
 from franbv.frames import Intrinsics, project
 from franbv.parameters import Count, Positive
 
-Look = Callable[[], tuple[UInt8[np.ndarray, "h w"], Intrinsics]]
+TakesImage = Callable[[], tuple[UInt8[np.ndarray, "h w"], Intrinsics]]
 """Takes a rectified infrared image with the projector off."""
 TAKE, GIVE_UP = "t", "q"
 """Answers beside Enter: take the camera as it stands, give up."""
@@ -60,7 +60,7 @@ class ManualArm:
         self,
         board: CharucoBoard,
         T_world_board: RigidTransform,
-        look: Look,
+        look: TakesImage,
         say: Callable[[str], None],
         ask: Callable[[], str],
         settings: ManualArmSettings | None = None,
@@ -106,7 +106,7 @@ class ManualArm:
         begin = self.flange_pose()
         if not self.can_reach(T_base_flange):
             return None
-        metres, degrees = apart(begin, T_base_flange)
+        metres, degrees = pose_distance(begin, T_base_flange)
         n = 1 + int(np.ceil(max(metres / STEP_M, degrees / STEP_DEG, 1.0)))
         shares = np.linspace(0.0, 1.0, n)[1:-1]
         turns = Slerp([0.0, 1.0], Rotation.concatenate([begin.rotation, T_base_flange.rotation]))
@@ -133,7 +133,7 @@ class ManualArm:
             except CalibrationError as error:
                 self._say(f"{error}. Then Enter.")
                 continue
-            metres, degrees = apart(now, goal)
+            metres, degrees = pose_distance(now, goal)
             s = self.settings
             close = metres <= s.position_tolerance_m and degrees <= s.angle_tolerance_deg
             if close or s.take_as_it_is or answer == TAKE:
@@ -238,4 +238,4 @@ def move_words(now: RigidTransform, goal: RigidTransform) -> str:
     turns = [(yaw, "right", "left"), (pitch, "up", "down"), (roll, "clockwise", "anticlockwise")]
     words = [f"{abs(cm):.1f} cm {more if cm > 0 else less}" for cm, more, less in shifts if abs(cm) >= 0.05]
     words += [f"turn {abs(deg):.0f} deg {more if deg > 0 else less}" for deg, more, less in turns if abs(deg) >= 0.5]
-    return f"{100 * apart(now, goal)[0]:.1f} cm away" + (f": {', '.join(words)}" if words else "")
+    return f"{100 * pose_distance(now, goal)[0]:.1f} cm away" + (f": {', '.join(words)}" if words else "")

@@ -13,7 +13,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from franbv.adapters.arms.driver import ArmError
 from franbv.adapters.arms.ros_settings import RosArmSettings
-from franbv.adapters.arms.rosbridge import one_line
+from franbv.adapters.arms.rosbridge import in_one_line
 
 Json = Mapping[str, Any]
 SUCCESS = 1
@@ -61,7 +61,7 @@ def pose_message(T: RigidTransform) -> dict[str, Any]:
     return {"position": {"x": x, "y": y, "z": z}, "orientation": {"x": qx, "y": qy, "z": qz, "w": qw}}
 
 
-def pose_of(message: Json) -> RigidTransform:
+def pose_from_message(message: Json) -> RigidTransform:
     """The same read; KeyError, TypeError or ValueError where it is none."""
     place, turn = message["position"], message["orientation"]
     numbers = [place[k] for k in "xyz"] + [turn[k] for k in "xyzw"]
@@ -197,14 +197,14 @@ def code_words(answer: Json) -> str:
     """The code with its name, and what else MoveIt says."""
     code = code_of(answer)
     said = answer["error_code"].get("message") or answer["error_code"].get("error_message")  # by version, or neither
-    return f"{CODE_NAMES.get(code, 'unknown')} {code}" + (f", {one_line(said)}" if said else "")
+    return f"{CODE_NAMES.get(code, 'unknown')} {code}" + (f", {in_one_line(said)}" if said else "")
 
 
 def check_executed(action: str, said: Any, *, refused: bool) -> None:
     """ArmError unless the result of an execution, as roslibpy hands it over, says that the way was gone."""
     values = said.get("values") if isinstance(said, Mapping) else said
     if refused or not isinstance(values, Mapping):
-        raise ArmError(f"{action}: was not begun ({one_line(values)}); is MoveIt (move_group) running, and free?")
+        raise ArmError(f"{action}: was not begun ({in_one_line(values)}); is MoveIt (move_group) running, and free?")
     result = values.get("result", values)  # the first versions of rosbridge wrap it once more
     if code_of(result) != SUCCESS:
         raise ArmError(f"{action}: the arm stopped under way ({code_words(result)}); look at it, and plan anew")

@@ -16,7 +16,7 @@ from typing import Any
 from scipy.spatial.transform import RigidTransform
 
 from franbv.adapters.arms.driver import POLL_S, ArmError, FlangePath
-from franbv.adapters.arms.flange_poses import apart, flange_poses
+from franbv.adapters.arms.flange_poses import flange_poses, pose_distance
 from franbv.adapters.arms.joint_states import JointStates, farthest
 from franbv.adapters.arms.moveit_messages import (
     NO_WAY,
@@ -31,13 +31,13 @@ from franbv.adapters.arms.moveit_messages import (
     ik_request,
     joint_way,
     plan_request,
-    pose_of,
+    pose_from_message,
     scene_request,
 )
 from franbv.adapters.arms.ros_settings import RosArmSettings
-from franbv.adapters.arms.rosbridge import Goal, RosBridge, one_line
+from franbv.adapters.arms.rosbridge import BridgeGoal, RosBridge, in_one_line
 
-IK, FK, PLAN, SCENE = "/compute_ik", "/compute_fk", "/plan_kinematic_path", "/apply_planning_scene"
+IK, FK, PLAN_SERVICE, SCENE_SERVICE = "/compute_ik", "/compute_fk", "/plan_kinematic_path", "/apply_planning_scene"
 """MoveIt's services (move_group's capabilities of kinematics, planning and scenes)."""
 EXECUTE, EXECUTE_TYPE = "/execute_trajectory", "moveit_msgs/action/ExecuteTrajectory"
 """MoveIt's action."""
@@ -78,7 +78,7 @@ class RosArm:
     def __init__(self, settings: RosArmSettings) -> None:
         self.settings = settings
         self._stops = 0
-        self._goal: Goal | None = None
+        self._goal: BridgeGoal | None = None
         self._lock = threading.Lock()
         self._boxes: set[str] = set()
         self._states = JointStates()
@@ -123,10 +123,10 @@ class RosArm:
             names = [box.name for box in boxes]
             if len(set(names)) < len(names):
                 raise ArmError(f"obstacles: two have the same name ({', '.join(sorted(names))}); name each otherwise")
-            answer = self._call(SCENE, scene_request(self.settings, boxes, sorted(self._boxes - set(names))))
+            answer = self._call(SCENE_SERVICE, scene_request(self.settings, boxes, sorted(self._boxes - set(names))))
             if answer.get("success") is not True:
                 raise ArmError(
-                    f"{SCENE}: MoveIt did not take the obstacles; is {self.settings.base_frame} a frame of it?"
+                    f"{SCENE_SERVICE}: MoveIt did not take the obstacles; is {self.settings.base_frame} a frame of it?"
                 )
             self._boxes = set(names)
 
@@ -136,18 +136,18 @@ class RosArm:
         with self._stopped_on_failure():
             stops = self._stops
             search_s = s.planning_time_s * s.planning_attempts + s.call_timeout_s
-            answer = self._call(PLAN, plan_request(s, T_base_flange, self._joints()), search_s)
+            answer = self._call(PLAN_SERVICE, plan_request(s, T_base_flange, self._joints()), search_s)
             found = answer.get("motion_plan_response", {})
             if code_of(found) in NO_WAY:
                 return None
-            self._check_code(PLAN, found)
+            self._check_code(PLAN_SERVICE, found)
             way = joint_way(found.get("trajectory", {}))
             poses = self._poses_along(way)
-            apart_m, apart_deg = apart(poses[-1], T_base_flange)
+            apart_m, apart_deg = pose_distance(poses[-1], T_base_flange)
             if apart_m > END_M or apart_deg > END_DEG:
                 raise ArmError(
-                    f"{PLAN}: the way ends {1e3 * apart_m:.1f} mm and {apart_deg:.1f} deg from what was asked; check "
-                    f"base_frame {s.base_frame} and flange_link {s.flange_link}"
+                    f"{PLAN_SERVICE}: the way ends {1e3 * apart_m:.1f} mm and {apart_deg:.1f} deg from what was asked; "
+                    f"check base_frame {s.base_frame} and flange_link {s.flange_link}"
                 )
             return FlangePath(tuple(poses), way.duration_s, PlannedWay(way, stops))
 
@@ -216,7 +216,7 @@ class RosArm:
             fate = self._stop_by_all_means()
             if not isinstance(error, Exception):
                 raise
-            words = str(error) if isinstance(error, ArmError) else f"{type(error).__name__}: {one_line(error)}"
+            words = str(error) if isinstance(error, ArmError) else f"{type(error).__name__}: {in_one_line(error)}"
             raise ArmError(f"{words}; {fate}" if fate else words) from error
 
     def _call(self, service: str, args: Mapping[str, Any], timeout_s: float | None = None) -> dict[str, Any]:
@@ -238,7 +238,7 @@ class RosArm:
         self._check_code(FK, answer)
         try:
             (stamped,) = answer["pose_stamped"]
-            return pose_of(stamped["pose"])
+            return pose_from_message(stamped["pose"])
         except (KeyError, TypeError, ValueError) as error:
             raise ArmError(f"{FK}: MoveIt's answer is no pose ({error!r}); check flange_link") from error
 
@@ -246,7 +246,7 @@ class RosArm:
         others = self._joints()
         return flange_poses(way.positions, lambda joints: self._fk(others | dict(zip(way.names, joints, strict=True))))
 
-    def _watch(self, goal: Goal, planned: PlannedWay, may_go_on: Callable[[], bool]) -> None:
+    def _watch(self, goal: BridgeGoal, planned: PlannedWay, may_go_on: Callable[[], bool]) -> None:
         """Wait for the result; ArmError as soon as anything speaks against going on."""
         s = self.settings
         allowed_s = s.duration_factor * planned.way.duration_s + s.duration_margin_s

@@ -6,7 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from franbv.parameters import Count, Positive
 
-Scale = Annotated[float, Field(gt=0, le=1)]
+SpeedScale = Annotated[float, Field(gt=0, le=1)]
 Name = Annotated[str, Field(min_length=1)]
 
 
@@ -27,10 +27,10 @@ class RosArmSettings(BaseModel):
     """Frame of all poses, T_base_flange (REP 199's name for the foot of an arm)."""
     flange_link: Name = "tool0"
     """Link that the camera is bolted to (ROS-Industrial's name for the flange with z outwards)."""
-    velocity_scale: Scale = 0.1
+    velocity_scale: SpeedScale = 0.1
     """Share of the joints' greatest velocity that is used [0, 1] (choice: slow enough to reach the stop button;
     MoveIt's own default for a first set-up)."""
-    acceleration_scale: Scale = 0.1
+    acceleration_scale: SpeedScale = 0.1
     """Share of the joints' greatest acceleration that is used [0, 1] (choice: as `velocity_scale`)."""
     pipeline: str = ""
     """Planning pipeline by name, such as `ompl`; empty: MoveIt's default."""

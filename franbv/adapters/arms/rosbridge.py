@@ -52,7 +52,7 @@ class Answer:
         return self._came.wait(timeout_s)
 
 
-class Goal(Answer):
+class BridgeGoal(Answer):
     """A goal of an action that was sent: its result, when there is one."""
 
     def __init__(self, client: Any) -> None:
@@ -133,7 +133,7 @@ class RosBridge:
                 )
         if answer.refused:
             raise ArmError(
-                f"{self.url}: {service} was not called ({one_line(answer.values)}); is MoveIt (move_group) running?"
+                f"{self.url}: {service} was not called ({in_one_line(answer.values)}); is MoveIt (move_group) running?"
             )
         return dict(answer.values)
 
@@ -152,14 +152,16 @@ class RosBridge:
         if self._ros.is_connected:
             self._topics[topic].publish(roslibpy().Message(dict(message)))
 
-    def send_goal(self, action: str, action_type: str, goal: Mapping[str, Any]) -> Goal:
+    def send_goal(self, action: str, action_type: str, goal: Mapping[str, Any]) -> BridgeGoal:
         """Begin an action."""
         self.check()
-        sent = Goal(roslibpy().ActionClient(self._ros, action, action_type))
-        sent.name = sent.client.send_goal(roslibpy().Goal(dict(goal)), sent.give, lambda feedback: None, sent.refuse)
+        sent = BridgeGoal(roslibpy().ActionClient(self._ros, action, action_type))
+        sent.name = sent.client.send_goal(
+            roslibpy().BridgeGoal(dict(goal)), sent.give, lambda feedback: None, sent.refuse
+        )
         return sent
 
-    def cancel(self, goal: Goal) -> None:
+    def cancel(self, goal: BridgeGoal) -> None:
         """Ask for a goal's end, as far as there is a connection."""
         if self._ros.is_connected and not goal.wait(0):
             goal.client.cancel_goal(goal.name)
@@ -191,7 +193,7 @@ class RosBridge:
         self._fault = self._fault or fault
 
 
-def one_line(words: object) -> str:
+def in_one_line(words: object) -> str:
     """What somebody else's program says, in one line that is not endless."""
     line = " ".join(str(words).split())
     return line if len(line) <= 200 else f"{line[:200]}..."

@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, Field, model_validator
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from franbv.adapters.calibration.calibration_error import CalibrationError
@@ -33,13 +33,11 @@ MIRRORED_DEG = 2.0
 """Unless they differ by less than this [deg] (choice: seen from straight above both are nearly one)."""
 
 
-class CharucoBoard(BaseModel):
+class CharucoBoard(BaseModel, frozen=True, extra="forbid", use_attribute_docstrings=True):
     """A board as it is printed. Measure it: printers scale.
 
     Frozen; unknown keys and numbers out of range raise pydantic's ValidationError.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
 
     squares_x: Count = Field(ge=3)
     """Squares along x, black and white ones [-]."""

@@ -12,7 +12,7 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.adapters.calibration.calibration_error import CalibrationError
 from franbv.adapters.calibration.hand_eye import HandEye, rms
-from franbv.adapters.calibration.poses_file import as_transform, read_json
+from franbv.adapters.calibration.poses_file import as_transform, stated_json
 
 _KEY = "T_flange_cam"
 
@@ -68,7 +68,7 @@ def write_hand_eye(out: Path, record: dict[str, Any]) -> None:
 
 def read_hand_eye(path: Path) -> RigidTransform:
     """T_flange_cam of such a file; CalibrationError where it holds none."""
-    said = read_json(path)
+    said = stated_json(path)
     matrix = said.get(_KEY) if isinstance(said, dict) else None
     try:
         rows = np.array(matrix, float)

@@ -95,9 +95,9 @@ class PosesFile(_Strict):
         return STANDING_IN_M * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]])
 
 
-def read_poses(path: Path) -> PosesFile:
+def read_poses_file(path: Path) -> PosesFile:
     """The file; CalibrationError that names the place where it is wrong."""
-    said = read_json(path)
+    said = stated_json(path)
     try:
         return PosesFile.model_validate({"poses": said} if isinstance(said, list) else said)
     except ValidationError as error:
@@ -108,7 +108,7 @@ def read_poses(path: Path) -> PosesFile:
         ) from error
 
 
-def read_json(path: Path) -> Any:
+def stated_json(path: Path) -> Any:
     """What a JSON file says; CalibrationError where there is none."""
     try:
         return json.loads(path.read_text(encoding="utf-8"))
@@ -120,7 +120,7 @@ def read_json(path: Path) -> Any:
 
 def pose_pairs(path: Path, rules: ViewRules | None = None) -> tuple[PosesFile, RigidTransform, RigidTransform]:
     """The file, Ts_base_flange and Ts_cam_board of all its poses, those of images found in them."""
-    file = read_poses(path)
+    file = read_poses_file(path)
     flanges, boards = [], []
     for k, pair in enumerate(file.poses):
         flanges.append(as_transform(pair.T_base_flange, f"{path}: poses.{k}.T_base_flange"))

@@ -6,9 +6,9 @@ from typing import Any
 from pydantic import Field, ValidationError
 
 from franbv.adapters.arms.driver import ArmError
-from franbv.adapters.arms.manual_arm import Look, ManualArm, ManualArmSettings
+from franbv.adapters.arms.manual_arm import ManualArm, ManualArmSettings, TakesImage
 from franbv.adapters.calibration.charuco import CharucoBoard
-from franbv.adapters.live.cell import Matrix, rigid
+from franbv.adapters.live.cell import MatrixRows, rigid
 
 MANUAL = "manual"
 """Its name for the command line."""
@@ -19,11 +19,11 @@ class ManualCell(ManualArmSettings):
 
     board: CharucoBoard
     """As it is printed."""
-    T_world_board: Matrix = Field(description="Where it lies, four rows [m].")
+    T_world_board: MatrixRows = Field(description="Where it lies, four rows [m].")
 
 
 def manual_arm(
-    settings: Mapping[str, Any], look: Look | None, say: Callable[[str], None], ask: Callable[[], str]
+    settings: Mapping[str, Any], look: TakesImage | None, say: Callable[[str], None], ask: Callable[[], str]
 ) -> ManualArm:
     """The person; ArmError where the settings are none, or the camera takes no infrared images."""
     if look is None:

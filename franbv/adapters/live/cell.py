@@ -17,14 +17,14 @@ from scipy.spatial.transform import RigidTransform
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Corner = tuple[Number, Number, Number]
-Box = tuple[Corner, Corner]
+CornerBox = tuple[Corner, Corner]
 """Lower and upper corner [m]."""
-Matrix = tuple[tuple[Number, Number, Number, Number], ...]
+MatrixRows = tuple[tuple[Number, Number, Number, Number], ...]
 """Four rows of a rigid transform."""
 
-D435I_HOUSING: Box = ((-0.0275, -0.0125, -0.0207), (0.0625, 0.0125, 0.0043))
+D435I_HOUSING: CornerBox = ((-0.0275, -0.0125, -0.0207), (0.0625, 0.0125, 0.0043))
 """90 x 25 x 25 mm around the left imager, camera frame [m] (D400 datasheet; realsense-ros, D435 model)."""
-WRIST: Box = ((-0.035, -0.0525, -0.1707), (0.07, 0.0525, -0.0207))
+WRIST: CornerBox = ((-0.035, -0.0525, -0.1707), (0.07, 0.0525, -0.0207))
 """Bracket and wrist behind the housing, camera frame [m]. Choice: a wrist of 105 mm (ABB's CAD model of the GoFa's link
 6), 15 cm long, with the camera looking along the flange's axis."""
 RIGID_WITHIN = 1e-4
@@ -35,23 +35,23 @@ class CellError(ValueError):
     """A cell file that cannot be used; the message is one line with the file, the place and the mend."""
 
 
-class Cell(BaseModel):
+class RobotCell(BaseModel):
     """What the guard holds every pose and every way against. Frozen; lengths [m], world frame unless said otherwise."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    workspace: Box = Field(description="Box that the camera's depth origin may not leave, world [m].")
-    object_box: Box = Field(
-        description="Box around the object, with what it may be moved by, world [m]. Nothing that moves comes into it, "
-        "and the depth origin keeps Min-Z from it."
+    workspace: CornerBox = Field(description="Box that the camera's depth origin may not leave, world [m].")
+    object_box: CornerBox = Field(
+        description="Box around the object, with what it may be moved by, world [m]. Nothing that moves comes into "
+        "it, and the depth origin keeps Min-Z from it."
     )
     table_height: Number = Field(
         default=0.0, description="Height of the plinth's top, or of the table's where there is none, world [m]."
     )
-    keep_out: Mapping[str, Box] = Field(
+    keep_out: Mapping[str, CornerBox] = Field(
         default_factory=dict, description="What else nothing may touch, by name: lamp, wall, fixture; world [m]."
     )
-    moving: tuple[Box, ...] = Field(
+    moving: tuple[CornerBox, ...] = Field(
         default=(D435I_HOUSING, WRIST),
         min_length=1,
         description="Boxes around all that moves with the camera, camera frame [m]. Default: a D435i before a slender "
@@ -71,12 +71,12 @@ class Cell(BaseModel):
     off_way: Annotated[float, Field(gt=0, le=0.1)] = Field(
         default=0.02, description="How far from its way the camera may be found before the arm is stopped [m] (choice)."
     )
-    T_world_base: Matrix = Field(description="Of the arm's base, four rows [m].")
-    T_flange_cam: Matrix = Field(description="Of the depth frame on the flange (hand-eye), four rows [m].")
+    T_world_base: MatrixRows = Field(description="Of the arm's base, four rows [m].")
+    T_flange_cam: MatrixRows = Field(description="Of the depth frame on the flange (hand-eye), four rows [m].")
     arm: Mapping[str, Any] = Field(default_factory=dict, description="Settings of the arm's driver, by its own names.")
 
     @model_validator(mode="after")
-    def _sound(self) -> "Cell":
+    def _sound(self) -> "RobotCell":
         boxes = {"workspace": self.workspace, "object_box": self.object_box, **self.keep_out}
         boxes |= {f"moving {k + 1}": box for k, box in enumerate(self.moving)}
         for name, (lower, upper) in boxes.items():
@@ -107,7 +107,7 @@ class Cell(BaseModel):
         return self.world_base * T_base_flange * self.flange_cam
 
 
-def rigid(name: str, rows: Matrix) -> RigidTransform:
+def rigid(name: str, rows: MatrixRows) -> RigidTransform:
     """The transform of stated rows; ValueError, with the name, where they are none."""
     matrix: Float[np.ndarray, "4 4"] = np.array(rows, float)
     if matrix.shape != (4, 4) or not np.array_equal(matrix[3], (0, 0, 0, 1)):
@@ -118,7 +118,7 @@ def rigid(name: str, rows: Matrix) -> RigidTransform:
     return RigidTransform.from_matrix(matrix)
 
 
-def read_cell(path: Path) -> Cell:
+def read_cell(path: Path) -> RobotCell:
     """The cell of a YAML file; CellError in one line where it cannot be read or is not sound."""
     try:
         stated = yaml.safe_load(path.read_text())
@@ -130,19 +130,19 @@ def read_cell(path: Path) -> Cell:
     if not isinstance(stated, dict):
         raise CellError(f"{path}: has no settings; see docs/robot.md")
     try:
-        return Cell.model_validate(stated)
+        return RobotCell.model_validate(stated)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         place = ".".join(map(str, first["loc"])) or "cell"
         raise CellError(f"{path}: {place}: {first['msg'].removeprefix('Value error, ')}; see docs/robot.md") from None
 
 
-def distance_to_box(points: Float[np.ndarray, "n 3"], box: Box) -> Float[np.ndarray, "n"]:
+def distance_to_box(points: Float[np.ndarray, "n 3"], box: CornerBox) -> Float[np.ndarray, "n"]:
     """From points to a box [m], 0 inside."""
     lower, upper = np.array(box)
     return np.linalg.norm(np.maximum(np.maximum(lower - points, points - upper), 0.0), axis=1)
 
 
-def half_diagonal(box: Box) -> float:
+def half_diagonal(box: CornerBox) -> float:
     """[m]"""
     return math.dist(*box) / 2

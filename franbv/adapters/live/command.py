@@ -15,7 +15,7 @@ from franbv.adapters.arms.driver import ArmError
 from franbv.adapters.arms.opening import open_arm
 from franbv.adapters.camera_error import CameraError
 from franbv.adapters.live.by_hand import MANUAL, manual_arm
-from franbv.adapters.live.cell import Cell, CellError, read_cell
+from franbv.adapters.live.cell import CellError, RobotCell, read_cell
 from franbv.adapters.live.confirming import Confirm
 from franbv.adapters.live.guard import Guard
 from franbv.adapters.live.guarded_arm import Beating, GuardedArm, RefusedError
@@ -80,7 +80,7 @@ def run_live(flags: argparse.Namespace) -> int:
 
 def _opened_arm(
     flags: argparse.Namespace,
-    cell: Cell,
+    cell: RobotCell,
     parameters: Parameters,
     opened: OpenedCamera,
     switch: StopSwitch,
@@ -171,7 +171,7 @@ def _parameters(path: Path | None) -> Parameters:
         ) from None
 
 
-def _check_frame(cell: Cell, parameters: Parameters, path: Path) -> None:
+def _check_frame(cell: RobotCell, parameters: Parameters, path: Path) -> None:
     """Planner and cell must mean the same table, and the object must be where the planner maps."""
     if cell.table_height != parameters.table_height:
         raise CellError(

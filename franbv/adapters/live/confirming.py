@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from franbv.adapters.live.guarded_arm import Motion
+from franbv.adapters.live.guarded_arm import ShownMotion
 from franbv.adapters.live.switch import StopSwitch
 
 _LOOK_EVERY_S = 0.1
@@ -25,7 +25,7 @@ class Confirm:
     say: Callable[[str], None]
     ask: Callable[[str], None]
 
-    def __call__(self, motion: Motion) -> bool:
+    def __call__(self, motion: ShownMotion) -> bool:
         self.say(motion.sentence())
         answer = self._answer() if self.asks else "y"
         if answer == "q":

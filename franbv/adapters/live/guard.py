@@ -1,6 +1,6 @@
 """Says of a pose or a way why the camera may not be there. It knows the cell and nothing of the planner.
 
-A way is looked at in steps so small that nothing that moves goes farther than STEP from one to the next, and every
+A way is looked at in steps so small that nothing that moves goes farther than LOOK_STEP from one to the next, and every
 limit is kept by half a step more, so that it holds between the steps as well.
 """
 
@@ -12,9 +12,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.spatial.transform import RigidTransform, Rotation, Slerp
 
-from franbv.adapters.live.cell import Box, Cell, distance_to_box
+from franbv.adapters.live.cell import CornerBox, RobotCell, distance_to_box
 
-STEP = 0.005
+LOOK_STEP = 0.005
 """That anything moving goes between two looks at a way [m] (choice)."""
 LONGEST_GAP, WIDEST_GAP_DEG = 0.05, 6.0
 """Between neighbours of a way that a driver states [m, deg]: wider, and it may do anything in between (choice; the arc
@@ -27,7 +27,7 @@ ARRIVED, ARRIVED_DEG = 0.005, 1.0
 class Guard:
     """Holds poses and ways against the cell."""
 
-    cell: Cell
+    cell: RobotCell
     min_z: float
     """Of the camera [m]."""
 
@@ -84,9 +84,9 @@ class Guard:
         samples = [_stacked(Ts_world_cam[:1])]
         for one, other in pairwise(Ts_world_cam):
             way, angle = _apart(one, other)
-            n = max(1, int(np.ceil((way + reach * np.radians(angle)) / STEP)))
+            n = max(1, int(np.ceil((way + reach * np.radians(angle)) / LOOK_STEP)))
             samples.append(_between(one, other, n))
-        return np.concatenate(samples), STEP / 2
+        return np.concatenate(samples), LOOK_STEP / 2
 
     def _first(self, Ts: Float[np.ndarray, "n 4 4"], slack: float) -> tuple[float, str] | None:
         """Place on the way and reason of the first violation."""
@@ -115,7 +115,9 @@ class Guard:
         return reasons
 
 
-def boxes_apart(Ts: Float[np.ndarray, "n 4 4"], moving: Box, still: Box, gap: float) -> Bool[np.ndarray, "n"]:
+def boxes_apart(
+    Ts: Float[np.ndarray, "n 4 4"], moving: CornerBox, still: CornerBox, gap: float
+) -> Bool[np.ndarray, "n"]:
     """Whether a box that is carried by each of the poses stays clear of one that stands still, grown by `gap` [m].
 
     By separating axes: the three of each box and their nine cross products (Gottschalk, Lin and Manocha 1996).
@@ -138,7 +140,7 @@ def boxes_apart(Ts: Float[np.ndarray, "n 4 4"], moving: Box, still: Box, gap: fl
     return apart
 
 
-def _lowest(Ts: Float[np.ndarray, "n 4 4"], box: Box) -> Float[np.ndarray, "n"]:
+def _lowest(Ts: Float[np.ndarray, "n 4 4"], box: CornerBox) -> Float[np.ndarray, "n"]:
     """Height of the lowest corner of a box that is carried [m]."""
     lower, upper = np.array(box)
     down = np.minimum(Ts[:, 2, :3] * lower, Ts[:, 2, :3] * upper)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import RigidTransform
 
 from franbv.adapters.arms.driver import ArmDriver, ArmError, FlangePath
-from franbv.adapters.live.cell import Cell
+from franbv.adapters.live.cell import RobotCell
 from franbv.adapters.live.guard import ARRIVED, ARRIVED_DEG, Guard
 from franbv.adapters.live.switch import StopSwitch
 from franbv.adapters.live.ways import ways
@@ -37,7 +37,7 @@ class RefusedError(Exception):
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class ShownMotion:
     """One motion as it is shown to a person before it is made."""
 
     T_start: RigidTransform
@@ -86,11 +86,11 @@ class GuardedArm:
     """
 
     driver: ArmDriver
-    cell: Cell
+    cell: RobotCell
     guard: Guard
     switch: StopSwitch
     keeper: Beating
-    may_move: Callable[[Motion], bool]
+    may_move: Callable[[ShownMotion], bool]
     """Asked before every motion, with what it will be; RefusedError if it says no."""
     camera_lives: Callable[[], bool] = lambda: True
     """Asked while the arm moves; it is stopped if the camera does not."""
@@ -100,6 +100,7 @@ class GuardedArm:
     """Whether a person moves the camera: then the goal alone is held against the guard, whatever way they take, and the
     camera is where they took it."""
     clock: Callable[[], float] = time.monotonic
+    """[s]"""
     refused: list[RigidTransform] = field(default_factory=list)
     """Poses to which no way was found: they count as out of reach from then on."""
 
@@ -131,7 +132,7 @@ class GuardedArm:
             raise
         return self.clock() - begun
 
-    def preview(self, T_world_cam: RigidTransform) -> Motion:
+    def preview(self, T_world_cam: RigidTransform) -> ShownMotion:
         """The first motion that would be made; RefusedError if none would. Nothing moves."""
         _, planned = self._way_with_plan(T_world_cam)
         return self._motion(*planned)
@@ -184,10 +185,10 @@ class GuardedArm:
             raise RefusedError(T_goal, f"the arm's way is not allowed: {why}")
         return path, poses
 
-    def _motion(self, path: FlangePath, poses: Sequence[RigidTransform]) -> Motion:
+    def _motion(self, path: FlangePath, poses: Sequence[RigidTransform]) -> ShownMotion:
         places = np.array([T.translation for T in poses])
         length = float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
-        return Motion(poses[0], poses[-1], length, path.duration_s, self.guard.nearest(poses))
+        return ShownMotion(poses[0], poses[-1], length, path.duration_s, self.guard.nearest(poses))
 
     def _go(self, path: FlangePath, poses: Sequence[RigidTransform]) -> None:
         """Make the motion; whatever is raised, the arm has been told to stop."""

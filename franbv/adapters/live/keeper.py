@@ -129,7 +129,7 @@ def _stop(driver: ArmDriver) -> None:
         thread.join(timeout=SILENCE_S)
 
 
-def main(said: str) -> int:
+def keep_arm(said: str) -> int:
     """Hold the arm that is described and keep it; exit status 0, or 1 where it cannot be held."""
     stated = json.loads(said)
     try:
@@ -144,4 +144,4 @@ def main(said: str) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    sys.exit(keep_arm(sys.argv[1]))

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial.transform import RigidTransform
 
 from franbv.adapters.arms.moveit_messages import CollisionBox
-from franbv.adapters.live.cell import Box, Cell
+from franbv.adapters.live.cell import CornerBox, RobotCell
 
 SLAB_M = 0.02
 """Thickness of what stands for the table under the workspace [m] (choice: thicker than a planner's step)."""
@@ -22,7 +22,7 @@ class AvoidsBoxes(Protocol):
         ...
 
 
-def cell_obstacles(cell: Cell) -> list[CollisionBox]:
+def cell_obstacles(cell: RobotCell) -> list[CollisionBox]:
     """The boxes in the arm's base frame. The table is a slab under the workspace: the arm's foot is not in it."""
     (x, y, _), (x_end, y_end, _) = cell.workspace
     slab = ((x, y, cell.table_height - SLAB_M), (x_end, y_end, cell.table_height))
@@ -30,7 +30,7 @@ def cell_obstacles(cell: Cell) -> list[CollisionBox]:
     return [_in_base(name, box, cell) for name, box in named.items()]
 
 
-def _in_base(name: str, box: Box, cell: Cell) -> CollisionBox:
+def _in_base(name: str, box: CornerBox, cell: RobotCell) -> CollisionBox:
     lower, upper = np.array(box)
     middle = RigidTransform.from_translation((lower + upper) / 2)
     x, y, z = (upper - lower).tolist()

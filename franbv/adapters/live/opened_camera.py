@@ -24,7 +24,9 @@ class OpenedCamera:
     drain: Callable[[], int]
     """As of `Pulse`."""
     infrared: Callable[[], Any] = lambda: None
+    """Left infrared image of the burst that was taken last [DN], None where there is none."""
     times_ns: Callable[[], Any] = lambda: None
+    """When the frames of that burst were taken, since 1970 [ns]; None where the camera does not tell."""
     look: Callable[[], Any] | None = None
     """Takes an infrared image without dots, and its intrinsics; for an arm that is a person."""
     close: Callable[[], None] = lambda: None

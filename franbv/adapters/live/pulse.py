@@ -20,6 +20,7 @@ class Pulse:
     drain: Callable[[], int]
     """Takes what lies in the camera's queue; how many frames that was."""
     clock: Callable[[], float] = time.monotonic
+    """[s]"""
 
     def __post_init__(self) -> None:
         self.begin()

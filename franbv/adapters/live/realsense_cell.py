@@ -23,10 +23,10 @@ def open_realsense(settings: Mapping[str, Any]) -> OpenedCamera:
         first = error.errors(include_url=False)[0]
         place = ".".join(map(str, first["loc"])) or "settings"
         raise CameraError(f"camera settings: {place}: {first['msg'].removeprefix('Value error, ')}") from None
-    return opened(RealSenseCamera(checked))
+    return opened_realsense(RealSenseCamera(checked))
 
 
-def opened(camera: RealSenseCamera) -> OpenedCamera:
+def opened_realsense(camera: RealSenseCamera) -> OpenedCamera:
     """What is around a camera that is open."""
     said = camera.record()
     info = said["camera"]

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
-from franbv.adapters.live.cell import Cell, half_diagonal
+from franbv.adapters.live.cell import RobotCell, half_diagonal
 from franbv.frames import look_at, rolled
 
 ARC_STEP_DEG = 20.0
@@ -19,7 +19,7 @@ OUTWARDS = (1.0, 1.15, 1.35)
 
 
 def ways(
-    T_start: RigidTransform, T_goal: RigidTransform, cell: Cell, min_z: float, roll_deg: float
+    T_start: RigidTransform, T_goal: RigidTransform, cell: RobotCell, min_z: float, roll_deg: float
 ) -> Iterator[tuple[RigidTransform, ...]]:
     """Ways from one pose to another, each as the poses after the start; the shortest comes first, none is checked.
 

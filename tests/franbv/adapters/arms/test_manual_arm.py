@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from franbv.adapters.arms.driver import ArmDriver, ArmError
-from franbv.adapters.arms.flange_poses import STEP_DEG, STEP_M, apart
+from franbv.adapters.arms.flange_poses import STEP_DEG, STEP_M, pose_distance
 from franbv.adapters.arms.manual_arm import GIVE_UP, TAKE, ManualArm, ManualArmSettings, move_words, pose_words
 from franbv.frames import look_at, rolled
 from tests.franbv.adapters.calibration.board_images import BOARD, CAMERA, FLAT, board_image
@@ -43,7 +43,7 @@ class Person:
 
 def near(a: RigidTransform, b: RigidTransform) -> bool:
     """Whether they are the same to what a board tells."""
-    metres, degrees = apart(a, b)
+    metres, degrees = pose_distance(a, b)
     return metres < MEASURED_M and degrees < MEASURED_DEG
 
 
@@ -63,7 +63,7 @@ def test_the_measured_pose_is_what_is_used():
     assert path is not None
     assert near(path.poses[0], START)
     assert path.poses[-1] is GOAL
-    steps = [apart(a, b) for a, b in zip(path.poses, path.poses[1:], strict=False)]
+    steps = [pose_distance(a, b) for a, b in zip(path.poses, path.poses[1:], strict=False)]
     assert max(metres for metres, _ in steps) <= STEP_M
     assert max(degrees for _, degrees in steps) <= STEP_DEG
     arm.execute(path, lambda: True)

@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from franbv.adapters.arms.driver import ArmDriver, ArmError
-from franbv.adapters.arms.flange_poses import STEP_DEG, STEP_M, apart, flange_poses
+from franbv.adapters.arms.flange_poses import STEP_DEG, STEP_M, flange_poses, pose_distance
 from franbv.adapters.arms.moveit_messages import CollisionBox, code_words, joint_way
 from franbv.adapters.arms.ros_settings import RosArmSettings
 from tests.franbv.adapters.arms.ros_messages import VERSIONS, faults, filled
@@ -34,7 +34,7 @@ def test_there_and_back(opened, version: str):
     assert isinstance(arm, ArmDriver)
     assert "arm" in arm.name
     assert stub.url in arm.name
-    assert apart(arm.flange_pose(), begin) < (SAME, SAME)
+    assert pose_distance(arm.flange_pose(), begin) < (SAME, SAME)
     assert arm.can_reach(GOAL)
     assert not arm.can_reach(FAR)
     path = arm.plan(GOAL)
@@ -42,7 +42,7 @@ def test_there_and_back(opened, version: str):
     assert path.duration_s == pytest.approx(stub.duration_s)
     assert stub.ops("send_action_goal") == [], "nothing moves before it is told to"
     arm.execute(path, on)
-    assert max(apart(arm.flange_pose(), GOAL)) < SAME
+    assert max(pose_distance(arm.flange_pose(), GOAL)) < SAME
     assert stub.stops == 0
     arm.close()
     assert stub.stops == 1
@@ -53,9 +53,9 @@ def test_a_path_shows_where_the_flange_goes(opened):
     stub = StubMoveIt("humble", points=2)
     arm = opened(stub)
     path = arm.plan(GOAL)
-    assert max(apart(path.poses[0], forward(stub.joints))) < SAME
-    assert max(apart(path.poses[-1], GOAL)) < SAME
-    steps = [apart(a, b) for a, b in zip(path.poses, path.poses[1:], strict=False)]
+    assert max(pose_distance(path.poses[0], forward(stub.joints))) < SAME
+    assert max(pose_distance(path.poses[-1], GOAL)) < SAME
+    steps = [pose_distance(a, b) for a, b in zip(path.poses, path.poses[1:], strict=False)]
     assert max(metres for metres, _ in steps) <= STEP_M
     assert max(degrees for _, degrees in steps) <= STEP_DEG
     first, last = stub.joints[:3], GOAL.translation
@@ -84,7 +84,7 @@ def test_what_is_asked_of_the_planner(opened):
     assert place["link_name"] == turn["link_name"] == "flange"
     region = place["constraint_region"]
     asked = transform({"position": region["primitive_poses"][0]["position"], "orientation": turn["orientation"]})
-    assert max(apart(asked, GOAL)) < SAME
+    assert max(pose_distance(asked, GOAL)) < SAME
     assert region["primitives"] == [{"type": 2, "dimensions": [1e-4]}]  # shape_msgs/SolidPrimitive SPHERE
     assert turn["absolute_x_axis_tolerance"] == pytest.approx(1e-3, rel=0.05)  # MoveGroupInterface's [rad]
 

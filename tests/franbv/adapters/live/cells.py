@@ -8,7 +8,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from franbv.adapters.arms.driver import ArmError, FlangePath
 from franbv.adapters.arms.straight import straight_path
-from franbv.adapters.live.cell import Cell
+from franbv.adapters.live.cell import RobotCell
 from franbv.adapters.live.guard import Guard
 from franbv.adapters.live.guarded_arm import GuardedArm
 from franbv.adapters.live.keeper import NoKeeper
@@ -27,7 +27,7 @@ def rows(T: RigidTransform) -> list[list[float]]:
     return T.as_matrix().tolist()
 
 
-CELL = Cell.model_validate(
+CELL = RobotCell.model_validate(
     {
         "workspace": ((-0.6, -0.6, 0.0), (0.6, 0.6, 0.9)),
         "object_box": ((-0.06, -0.05, 0.0), (0.06, 0.05, 0.08)),
@@ -80,7 +80,7 @@ class ScriptedArm:
         self.stop()
 
 
-def guarded(driver: ScriptedArm, cell: Cell = CELL, **settings) -> GuardedArm:
+def guarded(driver: ScriptedArm, cell: RobotCell = CELL, **settings) -> GuardedArm:
     """The planner's arm on it, which asks nobody."""
     made = {"switch": StopSwitch(), "keeper": NoKeeper(), "may_move": lambda motion: True} | settings
     return GuardedArm(driver, cell, Guard(cell, MIN_Z), **made)

@@ -7,14 +7,14 @@ import pytest
 from scipy.spatial.transform import RigidTransform, Rotation, Slerp
 
 from franbv.adapters.arms.driver import FlangePath
-from franbv.adapters.live.cell import Box
+from franbv.adapters.live.cell import CornerBox
 from franbv.adapters.live.guard import Guard, boxes_apart
 from franbv.adapters.live.guarded_arm import RefusedError
 from franbv.frames import look_at
 from tests.franbv.adapters.live.cells import CELL, HOME, MIN_Z, ScriptedArm, guarded
 
 
-def surface(box: Box, step: float) -> np.ndarray:
+def surface(box: CornerBox, step: float) -> np.ndarray:
     """Points on all faces of a box, edges and corners among them."""
     lower, upper = np.array(box)
     grids = [np.linspace(a, b, max(2, int(np.ceil((b - a) / step)) + 1)) for a, b in zip(lower, upper, strict=True)]
@@ -22,7 +22,7 @@ def surface(box: Box, step: float) -> np.ndarray:
     return points[np.any(np.isclose(points, lower) | np.isclose(points, upper), axis=1)]
 
 
-def from_box(points: np.ndarray, box: Box) -> np.ndarray:
+def from_box(points: np.ndarray, box: CornerBox) -> np.ndarray:
     """Distance of points from a box [m], 0 inside."""
     return np.linalg.norm(points - np.clip(points, *np.array(box)), axis=-1)
 

@@ -7,7 +7,7 @@ import pytest
 
 from franbv.adapters.camera_error import CameraError
 from franbv.adapters.live.pulse import Pulse
-from franbv.adapters.live.realsense_cell import open_realsense, opened
+from franbv.adapters.live.realsense_cell import open_realsense, opened_realsense
 from franbv.adapters.live.run import LiveRun, last_recording
 from franbv.adapters.realsense.burst import DEPTH_STREAM, LEFT_INFRARED, RIGHT_INFRARED
 from franbv.adapters.recording.contents import RunFacts
@@ -20,7 +20,7 @@ from tests.franbv.adapters.realsense.test_reconstruction import FULL, Scene
 
 pytest.importorskip("pyrealsense2", exc_type=ImportError)
 PARAMETERS = Parameters(n_frames=2, max_iterations=1)
-FACTS = RunFacts("Box", "fra", PARAMETERS.model_dump(mode="json"), 3)
+FACTS = RunFacts("CornerBox", "fra", PARAMETERS.model_dump(mode="json"), 3)
 
 
 def film(driver: ScriptedArm, begins_ms: float) -> Iterator[Still]:
@@ -40,7 +40,7 @@ def test_a_run_through_librealsense(tmp_path):
     begins_ms = 4e12  # of this computer's clock, in years to come: no frame counts as older than the call
     bench = Bench([SoftwareCamera(infrared=True)], film(driver, begins_ms))
     with bench.camera(infrared=True) as camera:
-        cell = opened(camera)
+        cell = opened_realsense(camera)
         run = LiveRun(
             cell.camera, guarded(driver), fra(), PARAMETERS, FACTS, cell.facts, tmp_path, cell.infrared, cell.times_ns
         )
@@ -76,9 +76,9 @@ def test_an_image_without_dots():
         assert (intrinsics.width, intrinsics.fx) == (FULL.width, pytest.approx(FULL.fx))
         assert set(emitters) == {0.0}
         assert camera_of.option("emitter_enabled") == 1.0
-    with Bench([SoftwareCamera()], film(ScriptedArm(), 4e12)).camera() as camera:
-        with pytest.raises(CameraError, match="sends no infrared images; set infrared"):
-            camera.unlit_view()
+    plain = Bench([SoftwareCamera()], film(ScriptedArm(), 4e12)).camera()
+    with plain as camera, pytest.raises(CameraError, match="sends no infrared images; set infrared"):
+        camera.unlit_view()
 
 
 def test_settings_that_are_none():
