@@ -10,6 +10,9 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform, Rotation
 
+N_DISPARITIES = 126
+"""Disparities that a D4 chip searches [px] (Intel RealSense D400 datasheet, section 4.4: Min-Z = f B / 126)."""
+
 
 @dataclass(frozen=True)
 class Intrinsics:
@@ -45,6 +48,15 @@ class Intrinsics:
         """Viewing direction of every pixel centre in the camera frame, scaled to z = 1."""
         u, v = np.meshgrid(np.arange(self.width), np.arange(self.height))
         return np.stack([(u - self.cx) / self.fx, (v - self.cy) / self.fy, np.ones_like(u, dtype=float)], axis=-1)
+
+
+def stereo_min_z(focal_baseline: float, disparity_shift: float = 0.0) -> float:
+    """Smallest Z-depth that a D4 chip can measure [m]: that of the largest disparity searched, f B / (126 + shift).
+
+    focal_baseline: f B of the stream before decimation [px m]. disparity_shift: where the search begins [px].
+    Source: D400 datasheet, Min-Z = f B / 126; `disparityShift` moves the whole search (D400 advanced mode).
+    """
+    return focal_baseline / (N_DISPARITIES + disparity_shift)
 
 
 def decimated_intrinsics(intrinsics: Intrinsics, factor: int) -> Intrinsics:

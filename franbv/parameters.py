@@ -177,8 +177,10 @@ class Parameters(BaseModel):
     )
     recoveries_in_turn: Count = _number(
         1,
-        "Recoveries in one NBV iteration at most: with more than one, the last burst of a recovery is searched as well "
-        "[-]. Choice: 1, the text tells of no recovery within another.",
+        "Recoveries after which an NBV iteration searches no more [-]: as long as it has made fewer, the last burst of "
+        "a recovery is searched for regions, too, and what is found there is recovered next. Further regions of one "
+        "burst, with `regions_recovered` all, count as well, but are recovered however many they are. Choice: 1, so "
+        "that bursts of recoveries are never searched; the text tells of no recovery that follows from another.",
     )
 
     # -- recovery ----------------------------------------------------------------------------------------------------

@@ -1,1 +1,4 @@
-"""What ties the planner to real cameras, arms and recordings; each part needs an extra, and none is loaded unasked."""
+"""What ties the planner to real cameras (extra `realsense`), recordings (extra `record`) and arms, which need none.
+
+What the extras bring is loaded when it is used, and not before.
+"""

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float32, UInt16
 from pydantic import BaseModel, ConfigDict, Field
 
-from render.matcher.interface import N_DISPARITIES
+from franbv.frames import stereo_min_z
 
 MOST_UNITS = 2**16 - 1
 """Largest z16 value."""
@@ -34,10 +34,10 @@ def z_range(focal_baseline: float, disparity_shift: int = 0) -> tuple[float, flo
     """Nearest and farthest Z-depth that the disparity search covers, Min-Z and Max-Z [m].
 
     focal_baseline: f B [px m]. disparity_shift: smallest disparity searched [px]; 0 puts Max-Z at infinity.
-    Source: D400 datasheet, Min-Z = f B / 126; `disparityShift` moves the whole search (D400 advanced mode).
+    Source: `franbv.frames.stereo_min_z`; Max-Z is the depth of the smallest disparity.
     """
     farthest = focal_baseline / disparity_shift if disparity_shift > 0 else float("inf")
-    return focal_baseline / (N_DISPARITIES + disparity_shift), farthest
+    return stereo_min_z(focal_baseline, disparity_shift), farthest
 
 
 def z16_from_disparity(

@@ -6,8 +6,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Bool, Float32, UInt8
 
-N_DISPARITIES = 126
-"""Disparities that a D4 chip searches (Intel RealSense D400 datasheet: Min-Z = f B / 126)."""
+from franbv.frames import N_DISPARITIES
 
 SUBPIXEL_STEPS = 32
 """Disparity steps per pixel; the chip's own thresholds are counted in 1/32 px (librealsense, `STDepthControlGroup`)."""

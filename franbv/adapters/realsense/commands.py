@@ -112,6 +112,9 @@ def _write(out: Path, shot: Shot, record: dict[str, Any]) -> None:
         "clock": shot.taken.clock,
         "dropped": shot.taken.dropped,
         "discarded": shot.taken.discarded,
+        "repeated": shot.taken.repeated,
+        "unmatched": shot.taken.unmatched,
+        "restarts": shot.restarts,
         "readings": shot.taken.readings,
     }
     arrays["record"] = np.array(json.dumps(said))

@@ -28,10 +28,8 @@ from franbv.adapters.realsense.options import all_options, disparity_shift, set_
 from franbv.adapters.realsense.profiles import depth_sensor, stream_intrinsics, wanted_profiles
 from franbv.adapters.realsense.sdk import sdk, sdk_text
 from franbv.adapters.realsense.settings import RealSenseSettings
-from franbv.frames import block_centre_intrinsics, centre_corner
+from franbv.frames import block_centre_intrinsics, centre_corner, stereo_min_z
 
-_DISPARITIES = 126
-"""That the chip searches (D400 datasheet: Min-Z = f B / 126)."""
 _SLICE_MS = 200
 """After which a silent camera is looked for on the bus [ms] (choice: several frames at any rate)."""
 _METADATA = {"actual_exposure": "exposure_us", "gain_level": "gain", "frame_laser_power": "laser_power_mw"}
@@ -55,7 +53,7 @@ class RealSenseSource:
     """A `FrameSource` of one librealsense device.
 
     Depth goes through librealsense's decimation filter, its padding is cut off and the middle kept; intrinsics look
-    along the middle of the blocks. Min-Z = f B / (126 + disparity shift), of the stream before decimation. No other
+    along the middle of the blocks. Min-Z is that of the stream before decimation (`stereo_min_z`). No other
     filter of librealsense is used: they smooth over or fill the holes that the planner looks for.
     """
 
@@ -98,7 +96,7 @@ class RealSenseSource:
         self.depth_unit = float(sensor.as_depth_sensor().get_depth_scale())
         self.baseline = self._baseline()
         self.disparity_shift = disparity_shift(self._device)
-        self.min_z = self.full.fx * self.baseline / (_DISPARITIES + self.disparity_shift)
+        self.min_z = stereo_min_z(self.full.fx * self.baseline, self.disparity_shift)
         self.period_s = 1.0 / settings.fps
         sensor.start(self._queue)
 

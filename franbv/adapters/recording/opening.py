@@ -10,7 +10,7 @@ from franbv.adapters.recording.contents import Recording, RecordingError
 KINDS = (".mcap", ".db3", ".bag")
 """Suffixes of the files that can be read; a folder of rosbag2 can, too."""
 PACKAGES_OF_EXTRA = ("mcap", "zstandard", "rosbags", "apsw", "lz4")
-"""What the extra `record` brings."""
+"""What the extra `record` brings; lz4 is needed by mcap and rosbags."""
 
 
 @contextmanager

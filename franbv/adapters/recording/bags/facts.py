@@ -9,16 +9,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from franbv.adapters.recording.contents import CameraFacts
 from franbv.adapters.recording.forms import intrinsics_of
 from franbv.adapters.recording.messages import MOST_SIDE
-from franbv.frames import Intrinsics
+from franbv.frames import Intrinsics, stereo_min_z
 
 CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
 DEVICE = re.compile(r"(?P<device>/device_\d+)(?P<sensor>/sensor_\d+)/(?P<stream>[^/]+)/")
 OPTION = re.compile(r"/option/(?P<name>[^/]+)/value$")
-N_SHIFTS = 126
-"""Disparities that the D4 searches [px]: Min-Z = f B / 126 (D400 datasheet, section 4.4)."""
 MM_PER_M = 1000.0
 UNITS_OPTION, BASELINE_OPTION, SHIFT_OPTION = "depth_units", "stereo_baseline", "disparity_shift"
 """Options by librealsense's names; the baseline is in millimetres."""
@@ -47,9 +47,11 @@ class Facts:
     def min_z(self) -> float | None:
         """Smallest Z-depth of a stereo camera [m], None where nothing is said."""
         baseline, shift = self.options.get(BASELINE_OPTION), self.options.get(SHIFT_OPTION, 0.0)
-        if self.intrinsics is None or not isinstance(baseline, float) or baseline == 0 or not isinstance(shift, float):
+        if self.intrinsics is None or not isinstance(baseline, float) or not isinstance(shift, float):
             return None
-        return self.intrinsics.fx * abs(baseline) / MM_PER_M / (N_SHIFTS + shift)
+        if not (np.isfinite(baseline) and baseline != 0 and np.isfinite(shift) and shift >= 0):
+            return None
+        return stereo_min_z(self.intrinsics.fx * abs(baseline) / MM_PER_M, shift)
 
     def camera(self, seen: Intrinsics, min_z: float) -> CameraFacts:
         """The camera, with the intrinsics of what the planner sees of it; min_z: see `CameraFacts`."""

@@ -10,7 +10,10 @@ import pytest
 
 from franbv.adapters.__main__ import run
 from franbv.adapters.realsense import commands, source
-from tests.franbv.adapters.realsense.software_camera import PERIOD_MS, SoftwareCamera, Still, flat
+from franbv.adapters.realsense.burst import DEPTH_STREAM, LEFT_INFRARED, RIGHT_INFRARED
+from tests.franbv.adapters.realsense.software_camera import PERIOD_MS, QUICK, Bench, SoftwareCamera, Still, flat
+
+GREY = np.full((360, 640), 90, np.uint8)
 
 
 @pytest.fixture
@@ -75,6 +78,31 @@ def test_a_burst_is_stored(plugged, capsys, tmp_path):
     assert told["intrinsics"]["width"] == 40
     assert os.listdir(tmp_path) == ["burst.npz"]
     assert not plugged[0].streams
+
+
+def test_how_the_burst_came_about_is_stored(capsys, tmp_path, monkeypatch):
+    """A frame and then silence, so that the burst is begun anew; in it depth 11 comes twice, 12 is missing, and the
+    first infrared pair has no depth of its time."""
+
+    def script():
+        yield Still(flat(700), 1, PERIOD_MS)
+        yield None
+        for stream in (LEFT_INFRARED, RIGHT_INFRARED):
+            yield Still(GREY, 10, 10 * PERIOD_MS, stream=stream)
+        for k in (11, 13, 14):
+            for stream, image in ((DEPTH_STREAM, flat(700)), (LEFT_INFRARED, GREY), (RIGHT_INFRARED, GREY)):
+                for _ in range(1 + (k == 11 and stream == DEPTH_STREAM)):
+                    yield Still(image, k, k * PERIOD_MS, stream=stream)
+
+    bench = Bench([SoftwareCamera(infrared=True)], script())
+    monkeypatch.setattr(commands, "open_source", bench.open)
+    quick = [word for name, value in QUICK.items() for word in (f"--{name.replace('_', '-')}", str(value))]
+    assert run(["shoot", "--out", str(tmp_path / "a.npz"), "--frames", "3", "--infrared", "true", *quick]) == 0
+    with np.load(tmp_path / "a.npz") as stored:
+        assert stored["frame_numbers"].tolist() == [11, 13, 14]
+        told = json.loads(str(stored["record"]))
+    counts = {name: told[name] for name in ("dropped", "discarded", "repeated", "unmatched", "restarts")}
+    assert counts == {"dropped": 1, "discarded": 0, "repeated": 1, "unmatched": 2, "restarts": 1}
 
 
 @pytest.mark.parametrize(
