@@ -8,6 +8,7 @@ from franbv.adapters.camera_error import CameraError
 from franbv.adapters.realsense import commands as realsense
 from franbv.adapters.recording import command as recording
 from franbv.adapters.recording.contents import RecordingError
+from franbv.adapters.view.sight import ViewError
 
 
 def run(args: Sequence[str]) -> int:
@@ -19,7 +20,7 @@ def run(args: Sequence[str]) -> int:
     flags = parser.parse_args(args)
     try:
         return flags.run(flags)
-    except (CameraError, RecordingError) as error:
+    except (CameraError, RecordingError, ViewError) as error:
         sys.stderr.write(f"franbv.adapters: {' '.join(str(error).split())}\n")
         return 2
 
