@@ -21,8 +21,13 @@ import pytest
 from franbv.adapters.arms.driver import ArmError
 from franbv.adapters.calibration.calibration_error import CalibrationError
 from franbv.adapters.camera_error import CameraError
+from franbv.adapters.live.cell import CellError
+from franbv.adapters.live.guarded_arm import RefusedError
+from franbv.adapters.live.resumed import CannotResumeError
+from franbv.adapters.live.switch import StoppedError
 from franbv.adapters.recording.contents import RecordingError
-from franbv.adapters.recording.replay import OffTapeError
+from franbv.adapters.recording.tape import OffTapeError
+from franbv.adapters.view.sight import ViewError
 from franbv.planners import PLANNERS
 from materials.input_error import InputError
 from render.matcher.by_name import MATCHERS
@@ -136,13 +141,14 @@ def test_exceptions_are_what_it_says():
     """Each class of the table is a subclass of the one beside it, and the packages define no others."""
     rows = dict(re.findall(r"^\| `(\w+)` .*?\| (?:`(\w+)`)? *\|", TEXT, re.MULTILINE))
     studies = (InputError, BackendError, FutileError, Stopped)
-    told = (*studies, ArmError, CalibrationError, CameraError, RecordingError, OffTapeError)
+    robot = (ArmError, CalibrationError, CameraError, CannotResumeError, CellError, RefusedError, StoppedError)
+    told = (*studies, *robot, RecordingError, OffTapeError, ViewError)
     ours = {cls.__name__: cls for cls in told}
     assert {name: rows[name] for name in ours} == {name: cls.__bases__[0].__name__ for name, cls in ours.items()}
     sources = [path.read_text() for package in PACKAGES for path in (ROOT / package).rglob("*.py")]
     exception = re.compile(r"^class (\w+)\((?:\w*Error|\w*Exception|\w*Interrupt)\)", re.MULTILINE)
     defined = {name for text in sources for name in exception.findall(text) if not name.startswith("_")}
-    assert defined == {*ours, "NotConnectedError", "StreamLostError"}
+    assert defined == {*ours, "NotConnectedError", "NothingRecordedError", "StreamLostError"}
     raised = {name for text in sources for name in re.findall(r"raise (ValueError|RuntimeError)\b", text)}
     assert raised <= set(rows)
 

@@ -10,6 +10,7 @@ from franbv.adapters.live.command import ONE_LINE, add_live_commands
 from franbv.adapters.live.record_command import add_record_command
 from franbv.adapters.realsense import commands as realsense
 from franbv.adapters.recording import command as recording
+from franbv.adapters.view.sight import ViewError
 
 
 def run(args: Sequence[str], program: str = "") -> int:
@@ -30,7 +31,7 @@ def run(args: Sequence[str], program: str = "") -> int:
     flags = parser.parse_args(args)
     try:
         return flags.run(flags)
-    except (*ONE_LINE, CalibrationError) as error:
+    except (*ONE_LINE, CalibrationError, ViewError) as error:
         name = f"{program} {args[0]}" if program else "franbv.adapters"
         sys.stderr.write(f"{name}: {' '.join(str(error).split())}\n")
         return 2

@@ -48,6 +48,8 @@ class StartsCommand(CaseCommand[Settings]):
     record: Annotated[Path | None, tyro.conf.arg(metavar="FILE.mcap")] = None
     """Record the run: every burst, pose and decision, for `franbv replay` and other people's tools. Needs the extra
     `record`."""
+    view: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Show the run in a browser on this computer while it lasts; the address is printed. Needs the extra `view`."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,8 @@ class RecordingCommand(Generic[Settings]):
     """Output folder. The case gets a folder of its own in it; the same command finds a finished case there."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object as the last line of stdout."""
+    view: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Show the run in a browser on this computer while it lasts; the address is printed. Needs the extra `view`."""
 
 
 AnyCommand = TypeVar("AnyCommand", bound=CaseCommand)

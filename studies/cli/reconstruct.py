@@ -15,6 +15,7 @@ from studies.run.starts.page import rebuild
 from studies.run.starts.runs import finished_starts, make_starts, spread_starts, write_starts
 from studies.run.starts.summary import starts_json, starts_paragraph
 from studies.run.stored_run import ACQUISITIONS, CLOUD, FILTERED_CLOUD, REPORT, RUN, TIMINGS, StoredRun
+from studies.run.viewing import shown_live
 from studies.work.executor import exit_status
 
 FILES = (REPORT, RUN, ACQUISITIONS, TIMINGS, CLOUD, FILTERED_CLOUD)
@@ -45,6 +46,8 @@ def check_starts(command: ReconstructCommand) -> None:
         raise InputError(f"--starts {command.starts}: there must be a run to make; give 1 or more")
     if command.starts > 1 and command.record is not None:
         raise InputError("--record is for one run; leave out --starts, or give each start's command by itself")
+    if command.starts > 1 and command.view:
+        raise InputError("--view is for one run; leave out --starts, or write a start's file: franbv report CASE --rrd")
     if command.starts == 1 and command.workers is not None:
         raise InputError("--workers is for many starts; give --starts as well, or leave it out")
     for name in STUDIES:
@@ -64,23 +67,34 @@ def check_record(command: ReconstructCommand, config: ReconstructSettings) -> No
         raise InputError(f"{command.out}: holds this very run already; choose another --out to make and record it")
 
 
+def check_view(command: ReconstructCommand, config: ReconstructSettings) -> None:
+    """InputError where there is nothing left to watch."""
+    if command.view and finished_case(command.out, case_digest(RUN_COMMAND, config)) is not None:
+        raise InputError(
+            f"{command.out}: holds this very run already; look at it with franbv report {command.out} --rrd, "
+            "or choose another --out"
+        )
+
+
 def run_once(command: ReconstructCommand, subject: Subject) -> int:
     """One run from the start that the settings name."""
     config = resolved_run(command.settings)
     check_record(command, config)
-    case, found = made_once(
-        RUN_COMMAND,
-        config,
-        command.out,
-        FILES,
-        lambda folder: simulate(folder, config, subject, record=command.record),
-    )
-    stored = StoredRun(case)
-    say(f"{stored.run['title']}: {run_paragraph(stored.run, stored.timings)}")
-    say(f"{'Found' if found else 'Written'}: {case}\nReport: {case / REPORT}")
-    if command.json:
-        timings = {key: value for key, value in stored.timings.items() if key != "acquisitions"}
-        say_json({"folder": str(case), **stored.run["summary"], **timings})
+    check_view(command, config)
+    with shown_live(command.view, subject.title, config.parameters.invalid_share) as view:
+        case, found = made_once(
+            RUN_COMMAND,
+            config,
+            command.out,
+            FILES,
+            lambda folder: simulate(folder, config, subject, record=command.record, view=view),
+        )
+        stored = StoredRun(case)
+        say(f"{stored.run['title']}: {run_paragraph(stored.run, stored.timings)}")
+        say(f"{'Found' if found else 'Written'}: {case}\nReport: {case / REPORT}")
+        if command.json:
+            timings = {key: value for key, value in stored.timings.items() if key != "acquisitions"}
+            say_json({"folder": str(case), **stored.run["summary"], **timings})
     return 0
 
 

@@ -6,6 +6,8 @@ import tyro
 
 from franbv.adapters.recording.command import REPLAY_FILE
 from franbv.adapters.recording.opening import is_ours
+from materials.input_error import InputError
+from studies.base.case_folder import case_digest, finished_case
 from studies.base.config import check_finite
 from studies.base.console import say, say_json, warn
 from studies.base.flags import RecordingCommand, parse
@@ -14,12 +16,14 @@ from studies.run.replayed import (
     REPLAY_COMMAND,
     ReplaySettings,
     opened_recording,
+    recording_title,
     resolved_replay,
     settings_of,
     write_replayed,
 )
 from studies.run.sentences import replay_words, run_paragraph
 from studies.run.stored_run import ACQUISITIONS, CLOUD, FILTERED_CLOUD, REPORT, RUN, TIMINGS, StoredRun
+from studies.run.viewing import shown_live
 
 REPLAY_FILES = (REPORT, RUN, REPLAY_FILE, ACQUISITIONS, TIMINGS, CLOUD, FILTERED_CLOUD)
 """What the output folder itself shows of the case."""
@@ -38,14 +42,24 @@ def run(args: list[str]) -> int:
     for notice in recording.notices:
         warn(f"{_PROGRAM}: {notice}")
     config = resolved_replay(command.settings, command.recording)
-    case, found = made_once(
-        REPLAY_COMMAND, config, command.out, REPLAY_FILES, lambda folder: write_replayed(folder, config, recording)
-    )
-    stored = StoredRun(case)
-    say(f"{stored.run['title']}: {run_paragraph(stored.run, stored.timings)} {replay_words(stored.run['replay'])}")
-    say(f"{'Found' if found else 'Written'}: {case}\nReport: {case / REPORT}")
-    if command.json:
-        say_json({"folder": str(case), **_figures(stored)})
+    if command.view and finished_case(command.out, case_digest(REPLAY_COMMAND, config)) is not None:
+        raise InputError(
+            f"{command.out}: holds this very replay already; look at it with franbv report {command.out} --rrd, "
+            "or choose another --out"
+        )
+    with shown_live(command.view, recording_title(recording), config.parameters.invalid_share) as view:
+        case, found = made_once(
+            REPLAY_COMMAND,
+            config,
+            command.out,
+            REPLAY_FILES,
+            lambda folder: write_replayed(folder, config, recording, view),
+        )
+        stored = StoredRun(case)
+        say(f"{stored.run['title']}: {run_paragraph(stored.run, stored.timings)} {replay_words(stored.run['replay'])}")
+        say(f"{'Found' if found else 'Written'}: {case}\nReport: {case / REPORT}")
+        if command.json:
+            say_json({"folder": str(case), **_figures(stored)})
     return 0
 
 

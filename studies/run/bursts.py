@@ -19,7 +19,7 @@ from franbv.sensing import DepthBurst
 from studies.base.atomic_file import write_atomically
 from studies.base.case_folder import PROGRESS
 from studies.run.shared_bursts import SharedCaptures
-from studies.store.images import write_png
+from studies.store.images import read_png, write_png
 from studies.store.views import camera_vector, read_arrays, write_arrays
 
 Take = Callable[[RigidTransform, int], tuple[DepthBurst, UInt8[np.ndarray, "h w"]]]
@@ -117,9 +117,20 @@ class KeptCaptures:
 
 def stored_depths(case: Path, number: int) -> Float[np.ndarray, "n h w"]:
     """The depth frames of one acquisition of a finished case [m]."""
-    return read_arrays(case / PROGRESS / f"{number:03d}.npz")["depths"]
+    return read_arrays(depths_path(case, number))["depths"]
+
+
+def depths_path(case: Path, number: int) -> Path:
+    """File of the depth frames of one acquisition."""
+    return case / PROGRESS / f"{number:03d}.npz"
 
 
 def infrared_path(case: Path, number: int) -> Path:
     """File of the left infrared image of one acquisition."""
     return case / PROGRESS / f"{number:03d}_ir.png"
+
+
+def stored_infrared(case: Path, number: int) -> UInt8[np.ndarray, "h w"] | None:
+    """Left infrared image of the first frame, None where there is none."""
+    path = infrared_path(case, number)
+    return read_png(path) if path.exists() else None

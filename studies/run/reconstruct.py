@@ -7,6 +7,7 @@ from jaxtyping import UInt8
 from scipy.spatial.transform import RigidTransform
 
 from franbv.adapters.recording.contents import CameraFacts
+from franbv.adapters.view.sight import ViewSink
 from franbv.parameters import Parameters
 from franbv.sensing import DepthBurst
 from materials.input_error import InputError
@@ -44,10 +45,11 @@ def simulate(
     watched: bool = True,
     shared: SharedCaptures | None = None,
     record: Path | None = None,
+    view: ViewSink | None = None,
 ) -> None:
     """Run the loop with the simulated camera and arm; `watched` as in `write_run`, `shared` as in `KeptCaptures`.
 
-    record: file to record the run in.
+    record: file to record the run in; view: what shows it while it lasts.
     """
     camera = SimulatedD435i(subject.scene, config.sensor, config.seed)
     captures = KeptCaptures(take_with(camera), camera.intrinsics, camera.min_z, folder, shared)
@@ -60,7 +62,7 @@ def simulate(
     )
     facts = CameraFacts(captures.intrinsics, captures.min_z, camera.settings.depth.unit, config.sensor.model)
     with recording_of(record, config, subject.title, facts, folder, config.sensor.model_dump(mode="json")) as watch:
-        write_run(folder, config, subject.title, captures, arm, reference, watched, watch)
+        write_run(folder, config, subject.title, captures, arm, reference, watched, watch, view)
 
 
 def take_with(camera: SimulatedD435i) -> Take:

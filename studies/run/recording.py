@@ -5,16 +5,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from jaxtyping import UInt8
-
 from franbv.adapters.recording.contents import CameraFacts, RecordingError, RunFacts
 from franbv.adapters.recording.opening import record_extra
 from franbv.adapters.recording.watched import Watch
 from materials.input_error import InputError
-from studies.run.bursts import infrared_path
+from studies.run.bursts import stored_infrared
 from studies.run.run_case import RunSettings
-from studies.store.images import read_png
 from studies.work.maker import versions
 
 
@@ -47,7 +43,7 @@ def recording_of(
         with record_extra():
             from franbv.adapters.recording.writer import RecordingWriter
         with RecordingWriter(file, run_facts(config, title, sensor), camera) as writer:
-            yield Watch(writer, lambda number: _infrared(case, number))
+            yield Watch(writer, lambda number: stored_infrared(case, number))
 
 
 def run_facts(config: RunSettings, title: str, sensor: Mapping[str, Any]) -> RunFacts:
@@ -62,8 +58,3 @@ def run_facts(config: RunSettings, title: str, sensor: Mapping[str, Any]) -> Run
         sensor=sensor,
         versions=versions(),
     )
-
-
-def _infrared(case: Path, number: int) -> UInt8[np.ndarray, "h w"] | None:
-    path = infrared_path(case, number)
-    return read_png(path) if path.exists() else None

@@ -15,6 +15,7 @@ from franbv.adapters.recording.command import recorded_parameters, replay_figure
 from franbv.adapters.recording.contents import Recording
 from franbv.adapters.recording.opening import open_recording
 from franbv.adapters.recording.replay import Replay, replay
+from franbv.adapters.view.sight import ViewSink
 from franbv.frames import Intrinsics, block_centre_intrinsics
 from franbv.planners import PLANNERS
 from materials.input_error import InputError
@@ -101,8 +102,11 @@ def resolved_replay(settings: ReplaySettings, path: Path) -> ReplaySettings:
     return ablated(settings).model_copy(update={"digests": digests})
 
 
-def write_replayed(folder: Path, config: ReplaySettings, recording: Recording) -> None:
-    """Replay, and fill the case's folder; InputError where the recording cannot be used."""
+def write_replayed(folder: Path, config: ReplaySettings, recording: Recording, view: ViewSink | None = None) -> None:
+    """Replay, and fill the case's folder; InputError where the recording cannot be used.
+
+    view: what shows the replay.
+    """
     began, processor = time.perf_counter(), time.process_time()
     recorder, times = RunRecorder(None, config.parameters), []
     twin = Twin.of(config.simulate, recording, config.decimation, config.crop) if config.simulate else None
@@ -110,13 +114,15 @@ def write_replayed(folder: Path, config: ReplaySettings, recording: Recording) -
     def observe(acquisition: Acquisition) -> None:
         write_view(folder, acquisition.index, recorder.observe(acquisition))
         times.append({"sensing": acquisition.sensing_s, **acquisition.planning_s})
+        if view is not None:
+            view.observe(acquisition)
 
     with recording_errors():
         planner = build_planner(config.planner, config.ablation)
         found = replay(recording, planner, config.parameters, config.seed, config.azimuth_deg, observe)
         write_replay(folder, found)
-        _write_infrared(folder, recording, found)
-    title = recording.run.title or recording.path.stem
+        _write_infrared(folder, recording, found, view)
+    title = recording_title(recording)
     more = {"replay": replay_figures(found), "recorded_sensor": sensor_fields(recording)}
     if twin is not None:
         rows = twin.figures(found.run.acquisitions)
@@ -128,13 +134,20 @@ def write_replayed(folder: Path, config: ReplaySettings, recording: Recording) -
     write_report(folder)
 
 
-def _write_infrared(folder: Path, recording: Recording, found: Replay) -> None:
+def recording_title(recording: Recording) -> str:
+    """What the recorded run is called; the file's name where it has no title."""
+    return recording.run.title or recording.path.stem
+
+
+def _write_infrared(folder: Path, recording: Recording, found: Replay, view: ViewSink | None) -> None:
     for acquisition, number in zip(found.run.acquisitions, found.bursts, strict=True):
         image = recording.bursts[number].read_infrared()
         if image is not None:
             path = infrared_path(folder, acquisition.index)
             path.parent.mkdir(exist_ok=True)
             write_png(path, image)
+            if view is not None:
+                view.infrared(acquisition.index, image)
 
 
 def _reduction(settings: ReplaySettings) -> Reduce | None:

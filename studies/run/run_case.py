@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from franbv.acquisition import Acquisition, Reconstruction
 from franbv.adapters.recording.watched import Watch
+from franbv.adapters.view.sight import ViewSink
 from franbv.evaluation.reference import Reference
 from franbv.parameters import Parameters
 from franbv.planners import PlannerName
@@ -20,7 +21,7 @@ from studies.base.console import progress_bar, strict_json
 from studies.base.numbers_as_text import percent
 from studies.run.ablation import Ablation, build_planner
 from studies.run.acquisition_table import ACQUISITION_COLUMNS, MAP_COVERAGE
-from studies.run.bursts import KeptCaptures
+from studies.run.bursts import KeptCaptures, stored_infrared
 from studies.run.recorder import RunRecorder, cloud_owner, run_summary, surface_arrays, timing_figures
 from studies.run.report.page import write_report
 from studies.run.stored_run import ACQUISITIONS, CLOUD, FILTERED_CLOUD, RUN, RUN_FORMAT, SURFACE, TIMINGS
@@ -74,16 +75,17 @@ def write_run(
     reference: Reference | None,
     watched: bool = True,
     watch: Watch | None = None,
+    view: ViewSink | None = None,
 ) -> None:
     """Run the loop and write its result, its timings and its report into the case's folder.
 
     config: as `ablated` gives it.
     reference: the true surface; None where nobody knows it.
     watched: whether to show a progress display of this run.
-    watch: what records the run, if anything does.
+    watch, view: what records and what shows the run, if anything does.
     """
     recorder = RunRecorder(reference, config.parameters)
-    result = _observed_run(folder, config, captures, arm, recorder, watched, watch)
+    result = _observed_run(folder, config, captures, arm, recorder, watched, watch, view)
     write_result(folder, config, title, result, reference, recorder)
     times = [
         {"sensing": sensing, **acquisition.planning_s}
@@ -136,8 +138,9 @@ def _observed_run(
     recorder: RunRecorder,
     watched: bool,
     watch: Watch | None,
+    view: ViewSink | None,
 ) -> Reconstruction:
-    """Run the loop under a progress display, and write the recording, if there is to be one."""
+    """Run the loop under a progress display; record and show it, if it is to be."""
     with progress_bar(watched) as progress:
         task = progress.add_task("first view", total=config.parameters.max_iterations)
 
@@ -145,6 +148,9 @@ def _observed_run(
             write_view(folder, acquisition.index, recorder.observe(acquisition))
             if watch is not None:
                 watch.observe(acquisition)
+            if view is not None:
+                coverage = recorder.rows[-1][MAP_COVERAGE]
+                view.observe(acquisition, coverage, stored_infrared(folder, acquisition.index))
             covered = percent(recorder.rows[-1][MAP_COVERAGE])
             progress.update(
                 task,

@@ -13,8 +13,7 @@ from materials.input_error import InputError
 from studies.base.latest import LATEST
 from studies.base.reading import reading
 from studies.run.acquisition_table import ACQUISITION_COLUMNS
-from studies.run.bursts import infrared_path
-from studies.store.images import read_png
+from studies.run.bursts import depths_path, infrared_path, stored_depths, stored_infrared
 from studies.store.ply import read_ply
 from studies.store.tables import read_rows
 from studies.store.views import VIEWS, StoredView, read_arrays, read_view, view_path
@@ -96,9 +95,14 @@ class StoredRun:
 
     def infrared(self, acquisition: int) -> UInt8[np.ndarray, "h w"] | None:
         """Left infrared image of the first frame, None when the sensor gave none."""
-        path = infrared_path(self.folder, acquisition)
+        with reading(infrared_path(self.folder, acquisition), MEND):
+            return stored_infrared(self.folder, acquisition)
+
+    def depths(self, acquisition: int) -> Float[np.ndarray, "n h w"] | None:
+        """Depth frames of one acquisition [m]; None where they were not kept, as in replays."""
+        path = depths_path(self.folder, acquisition)
         with reading(path, MEND):
-            return read_png(path) if path.exists() else None
+            return stored_depths(self.folder, acquisition) if path.exists() else None
 
     def _json(self, name: str, *keys: str) -> dict[str, Any]:
         with reading(self.folder / name, MEND):

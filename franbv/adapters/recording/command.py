@@ -1,9 +1,11 @@
 """`python -m franbv.adapters replay`: a recording replayed where only the planner is installed; no report is drawn."""
 
 import argparse
+import contextlib
 import json
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,8 @@ from franbv.adapters.recording.contents import Recording, RecordingError
 from franbv.adapters.recording.decisions import decision_of
 from franbv.adapters.recording.opening import open_recording
 from franbv.adapters.recording.replay import Replay, replay
+from franbv.adapters.view.opening import rrd_file
+from franbv.adapters.view.sight import ViewSink
 from franbv.parameters import Parameters
 from franbv.planners import PLANNERS
 
@@ -29,6 +33,7 @@ def add_recording_commands(commands: Any) -> None:
     flags.set_defaults(run=replay_recording)
     flags.add_argument("recording", type=Path, help="file .mcap, .db3 or .bag, or a folder of rosbag2")
     flags.add_argument("--out", type=Path, help=f"folder for {REPLAY_FILE}")
+    flags.add_argument("--rrd", type=Path, metavar="FILE.rrd", help="write it for the viewer rerun as well")
     flags.add_argument("--json", action="store_true", help="print one JSON object as the last line of stdout")
     flags.add_argument("--planner", choices=list(PLANNERS), help="default: the recorded one, else fra")
     flags.add_argument("--n-frames", type=int, help="frames of a burst; default: as recorded")
@@ -58,13 +63,35 @@ def replay_recording(flags: argparse.Namespace) -> int:
     planner = flags.planner or recording.run.planner or BAG_PLANNER
     if planner not in PLANNERS:
         raise RecordingError(f"{recording.path}: was planned by {planner}; choose one of {', '.join(PLANNERS)}")
-    found = replay(recording, PLANNERS[planner].build(), parameters, recording.run.seed, recording.run.azimuth_deg)
+    with _view(flags.rrd, recording, parameters) as view:
+        observe = (lambda acquisition: None) if view is None else view.observe
+        start = recording.run.seed, recording.run.azimuth_deg
+        found = replay(recording, PLANNERS[planner].build(), parameters, *start, observe)
+        if view is not None:
+            _show_infrared(view, recording, found)
     if flags.out is not None:
         write_replay(flags.out, found)
     sys.stdout.write(replay_sentence(found) + "\n")
     if flags.json:
         sys.stdout.write(json.dumps(replay_figures(found)) + "\n")
     return 0
+
+
+@contextlib.contextmanager
+def _view(file: Path | None, recording: Recording, parameters: Parameters) -> Iterator[ViewSink | None]:
+    """What writes the replay for the viewer; None where that is not wanted."""
+    if file is None:
+        yield None
+        return
+    with rrd_file(file, recording.run.title or recording.path.stem, parameters.invalid_share) as view:
+        yield view
+
+
+def _show_infrared(view: ViewSink, recording: Recording, found: Replay) -> None:
+    for acquisition, number in zip(found.run.acquisitions, found.bursts, strict=True):
+        image = recording.bursts[number].read_infrared()
+        if image is not None:
+            view.infrared(acquisition.index, image)
 
 
 def recorded_parameters(recording: Recording) -> Parameters:
