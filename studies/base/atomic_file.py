@@ -18,6 +18,15 @@ def file_digest(path: Path) -> str:
         return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=DIGEST_BYTES)).hexdigest()
 
 
+def folder_digest(folder: Path) -> str:
+    """The same of all files in a folder and below: of their names in it, in order, and of their bytes."""
+    names = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+    whole = hashlib.blake2b(digest_size=DIGEST_BYTES)
+    for name in names:
+        whole.update(f"{name}\0{file_digest(folder / name)}\0".encode(errors="surrogateescape"))
+    return whole.hexdigest()
+
+
 def write_atomically(path: Path, data: bytes) -> None:
     """Write a file under a temporary name, flush it to disk and rename it."""
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")

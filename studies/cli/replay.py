@@ -1,5 +1,6 @@
 """`franbv replay`: detection and planning on a recording, with no robot; the report of a reconstruction made of it."""
 
+from pathlib import Path
 from typing import Any
 
 import tyro
@@ -12,6 +13,7 @@ from studies.base.config import check_finite
 from studies.base.console import say, say_json, warn
 from studies.base.flags import RecordingCommand, parse
 from studies.base.single_case import made_once
+from studies.run.recording import recording_errors
 from studies.run.replayed import (
     REPLAY_COMMAND,
     ReplaySettings,
@@ -64,15 +66,19 @@ def run(args: list[str]) -> int:
 
 
 def _parsed(args: list[str]) -> ReplayCommand:
-    """The flags over the settings of the recorded run."""
-    first = parse(ReplayCommand, args, _PROGRAM, _HELP, _defaults(ReplaySettings()))
-    if first.recording.is_dir() or not first.recording.exists() or not is_ours(first.recording):
-        command = first
-    else:
-        recorded = settings_of(opened_recording(first.recording, ReplaySettings()))
+    """The flags over the settings of the recorded run; a recording of ours tells them, be it that of the poses."""
+    command = parse(ReplayCommand, args, _PROGRAM, _HELP, _defaults(ReplaySettings()))
+    telling = next((path for path in (command.recording, command.settings.poses) if path and _is_ours(path)), None)
+    if telling is not None:
+        recorded = settings_of(opened_recording(telling, ReplaySettings()))
         command = parse(ReplayCommand, args, _PROGRAM, _HELP, _defaults(recorded))
     check_finite(command.settings, "the flags")
     return command
+
+
+def _is_ours(path: Path) -> bool:
+    with recording_errors():
+        return path.is_file() and is_ours(path)
 
 
 def _defaults(settings: ReplaySettings) -> ReplayCommand:

@@ -16,19 +16,24 @@ from jaxtyping import Bool, Float32
 
 from franbv.acquisition import Acquisition
 from franbv.adapters.recording.contents import Recording
+from franbv.frames import Intrinsics
 from materials.input_error import InputError
 from render.d435i import SimulatedD435i
 from render.labels.outcome import INVALID_SHARE, blocks, is_false_depth
 from render.world.truth import looks_at_part
 from studies.base.atomic_file import file_digest
 from studies.base.config import read_yaml, validated
-from studies.run.recorded_sensor import sensor_fields
+from studies.run.recorded_sensor import check_recorded_sensor, sensor_fields
 from studies.run.scene_settings import SubjectSettings, build_subject, resolved
 
 INCIDENCE_EDGES_DEG = (0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0)
 """Edges of the classes of incidence [deg]. Choice: lobes of shiny metals are about as wide."""
 PART_SHARE = 0.5
 """Share of a block's pixels that look at the part from which on the block does [-] (choice: most of them)."""
+FOCAL_TOLERANCE = 0.03
+"""By how much the focal lengths of the two cameras may differ, of the recorded one [-]. Choice: calibrations of cameras
+of one model differ by 1 % (`render.world.rig.FOCAL_LENGTHS_PX`), other models and other streams by more, and at the
+border of a 60 x 40 image 3 % are a pixel."""
 MM_PER_METRE = 1000.0
 
 
@@ -65,25 +70,41 @@ class Twin:
 
     @classmethod
     def of(cls, file: Path, recording: Recording, decimation: int, crop: tuple[int, int] | None) -> "Twin":
-        """InputError for what is wrong with the file, and where the two cameras' images cannot be compared."""
+        """InputError for what is wrong with the file or with the sensor that the recording states, and where the two
+        cameras' images cannot be compared."""
         own = dict(recording.run.sensor) or {"decimation": decimation, "crop": crop, **sensor_fields(recording)}
         said = scene_keys(file)
-        settings = validated(SubjectSettings, {**said, "sensor": {**own, **said.get("sensor", {})}}, str(file))
-        scene = build_subject(settings).scene
+        try:
+            settings = validated(SubjectSettings, {**said, "sensor": {**own, **said.get("sensor", {})}}, str(file))
+            scene = build_subject(settings).scene
+        except InputError:
+            check_recorded_sensor(recording)  # it may be the recording's fault
+            raise
         settings = resolved(settings)
         camera = SimulatedD435i(scene, settings.sensor, settings.seed)
-        ours, theirs = camera.intrinsics, recording.camera.intrinsics
-        if (ours.width, ours.height) != (theirs.width, theirs.height):
-            raise InputError(
-                f"{file}: the simulated camera has {ours.width} x {ours.height} pixels and the recorded one "
-                f"{theirs.width} x {theirs.height}; set sensor.profile, sensor.decimation and sensor.crop there"
-            )
+        check_comparable(file, camera.intrinsics, recording.camera.intrinsics)
         return cls(settings, camera)
 
     def figures(self, acquisitions: Iterable[Acquisition]) -> list[dict[str, float | str]]:
         """Render every pose; `twin_figures` of all of them."""
         pixels = TwinPixels.joined(twin_pixels(self.camera, acquisition) for acquisition in acquisitions)
         return twin_figures(pixels, self.camera.rig.focal_baseline)
+
+
+def check_comparable(file: Path, simulated: Intrinsics, recorded: Intrinsics) -> None:
+    """InputError where a pixel of one camera is none of the other; file: that which says what is simulated."""
+    ours, theirs = simulated, recorded
+    if (ours.width, ours.height) != (theirs.width, theirs.height):
+        raise InputError(
+            f"{file}: the simulated camera has {ours.width} x {ours.height} pixels and the recorded one "
+            f"{theirs.width} x {theirs.height}; set sensor.profile, sensor.decimation and sensor.crop there"
+        )
+    if max(abs(ours.fx / theirs.fx - 1), abs(ours.fy / theirs.fy - 1)) > FOCAL_TOLERANCE:
+        raise InputError(
+            f"{file}: the simulated camera has focal lengths of {ours.fx:.1f} and {ours.fy:.1f} px and the recorded "
+            f"one {theirs.fx:.1f} and {theirs.fy:.1f}, more than {FOCAL_TOLERANCE:.0%} apart; set sensor.model, "
+            "sensor.profile and sensor.decimation there"
+        )
 
 
 def scene_keys(file: Path) -> dict[str, Any]:

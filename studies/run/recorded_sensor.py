@@ -6,12 +6,11 @@ Options by librealsense's names in lower case, with librealsense's units, which 
 from collections.abc import Mapping
 from typing import Any
 
-from pydantic import ValidationError
-
 from franbv.adapters.recording.contents import Recording
 from materials.input_error import InputError
 from render.sensor import SensorSettings
-from studies.base.config import validated, validation_line
+from studies.base.config import validated
+from studies.run.scene_settings import check_sensor
 
 IMAGER_OPTIONS = {"exposure": "exposure_us", "gain": "gain", "laser_power": "laser_power_mw"}
 """Options with the imager's settings that they are about."""
@@ -21,14 +20,17 @@ MODELS_BY_NAME = {"D435": "d435i", "D415": "d415"}
 """What a device's name has in it, and the model that stands for it; the D435 has the D435i's imagers."""
 
 
-def sensor_of(recording: Recording) -> SensorSettings:
-    """The settings; what the recording does not tell has its default. InputError where a value is out of range."""
+def check_recorded_sensor(recording: Recording) -> None:
+    """InputError, with the recording's name, where what it states of its sensor is none that can be simulated."""
     if recording.run.sensor:
-        return validated(SensorSettings, dict(recording.run.sensor), str(recording.path))
+        source, said = "settings of its sensor", dict(recording.run.sensor)
+    else:
+        source, said = "options of the camera", sensor_fields(recording)
+    settings = validated(SensorSettings, said, f"{recording.path}, {source}")
     try:
-        return SensorSettings.model_validate(sensor_fields(recording))
-    except ValidationError as error:
-        raise InputError(validation_line(error, f"{recording.path}, options of the camera")) from None
+        check_sensor(settings)
+    except InputError as error:
+        raise InputError(f"{recording.path}, {source}: {error}") from error
 
 
 def sensor_fields(recording: Recording) -> dict[str, Any]:

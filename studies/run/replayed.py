@@ -17,10 +17,11 @@ from franbv.adapters.recording.opening import open_recording
 from franbv.adapters.recording.replay import Replay, replay
 from franbv.adapters.view.sight import ViewSink
 from franbv.frames import Intrinsics, block_centre_intrinsics
+from franbv.parameters import Positive
 from franbv.planners import PLANNERS
 from materials.input_error import InputError
 from render.depth.decimation import crop_centre, decimate
-from studies.base.atomic_file import file_digest, write_atomically
+from studies.base.atomic_file import file_digest, folder_digest, write_atomically
 from studies.base.config import validated
 from studies.base.console import strict_json
 from studies.run.ablation import Ablation, build_planner
@@ -42,7 +43,7 @@ REPLAY_COMMAND = "replay"
 class ReplaySettings(RunSettings):
     """What decides a replay. The defaults are those of the recorded run."""
 
-    decimation: Annotated[int, tyro.conf.arg(metavar="1..8")] = 1
+    decimation: Annotated[int, Field(ge=1, le=8), tyro.conf.arg(metavar="1..8")] = 1
     """Recordings of others: factor of librealsense's decimation filter, 1 = as recorded."""
     crop: tuple[int, int] | None = None
     """Recordings of others: width and height of the middle part that is kept after decimation; None = all."""
@@ -55,7 +56,7 @@ class ReplaySettings(RunSettings):
     """Recordings of others: the camera's poses, where there are several."""
     world_frame: str | None = None
     """Recordings of others: frame of the transforms in which the table is z = 0; None = their root."""
-    min_z: float | None = None
+    min_z: Positive | None = None
     """Recordings of others: smallest depth that the camera measures [m], where the file does not say it."""
     simulate: Annotated[Path | None, tyro.conf.arg(metavar="SCENE.yaml")] = None
     """YAML file with part, materials, bench and lamps, as `franbv frame --config` takes it: renders the recorded poses
@@ -96,10 +97,20 @@ def settings_of(recording: Recording) -> ReplaySettings:
 def resolved_replay(settings: ReplaySettings, path: Path) -> ReplaySettings:
     """The settings that decide the result: with the content of the files, and the ablation where it belongs."""
     files = {"recording": path} | ({"poses": settings.poses} if settings.poses else {})
-    digests = {name: file_digest(file) for name, file in files.items() if file.is_file()}
+    digests = {name: _content_digest(file) for name, file in files.items()}
     if settings.simulate is not None:
         digests |= scene_digests(settings.simulate)
     return ablated(settings).model_copy(update={"digests": digests})
+
+
+def _content_digest(path: Path) -> str:
+    """Of a file, or of the folder that a rosbag2 is; InputError where something in it cannot be read."""
+    try:
+        return folder_digest(path) if path.is_dir() else file_digest(path)
+    except OSError as error:
+        raise InputError(
+            f"{error.filename or path}: cannot be read ({error.strerror or error}); check its permissions"
+        ) from error
 
 
 def write_replayed(folder: Path, config: ReplaySettings, recording: Recording, view: ViewSink | None = None) -> None:

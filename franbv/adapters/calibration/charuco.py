@@ -98,7 +98,6 @@ def opencv() -> Any:
         raise CalibrationError("cv2: not installed here; pip install opencv-python-headless") from None
 
 
-@cache
 def opencv_board(board: CharucoBoard) -> Any:
     """OpenCV's form of the board."""
     cv2 = opencv()

@@ -3,6 +3,7 @@
 import argparse
 import contextlib
 import json
+import math
 import os
 import sys
 from collections.abc import Iterator
@@ -46,6 +47,7 @@ def add_recording_commands(commands: Any) -> None:
 
 def replay_recording(flags: argparse.Namespace) -> int:
     """Replay; exit status 0. RecordingError for bad input."""
+    _check_flags(flags)
     n_frames = flags.n_frames or Parameters().n_frames
     named = flags.depth_topic, flags.pose_topic, flags.world_frame
     choices = BagChoices(n_frames, *named, flags.poses, flags.min_z)
@@ -92,6 +94,14 @@ def _show_infrared(view: ViewSink, recording: Recording, found: Replay) -> None:
         image = recording.bursts[number].read_infrared()
         if image is not None:
             view.infrared(acquisition.index, image)
+
+
+def _check_flags(flags: argparse.Namespace) -> None:
+    """RecordingError for numbers that mean nothing; NaN is one of them."""
+    if flags.n_frames is not None and flags.n_frames < 1:
+        raise RecordingError(f"--n-frames {flags.n_frames}: a burst has frames; ask for 1 at least")
+    if flags.min_z is not None and not 0 < flags.min_z < math.inf:
+        raise RecordingError(f"--min-z {flags.min_z:g}: is no distance; give metres above 0, or leave it out")
 
 
 def recorded_parameters(recording: Recording) -> Parameters:

@@ -18,6 +18,14 @@ from franbv.frames import Intrinsics
 WORLD_FRAME, CAMERA_FRAME = "world", "camera_depth"
 """Names of the coordinate frames in viewers."""
 NS_PER_S = 1_000_000_000
+PINHOLE_IF_ZERO = (
+    "", "none", "plumb_bob", "rational_polynomial",
+    "brown_conrady", "modified_brown_conrady", "inverse_brown_conrady",
+)  # fmt: skip
+"""Models of distortion that are pinholes where all coefficients are 0, by the names of ROS
+(sensor_msgs/distortion_models.hpp) and librealsense (`rs2_distortion`), in lower case with _ for spaces."""
+RECTIFY = "the planner has a pinhole; rectify the depth images, and record their new calibration"
+"""The mend of a calibration with distortion."""
 ORTHONORMAL = 1e-6
 """By how much R^T R of a pose may differ from 1. Choice: text with seven digits passes, a flipped bit does not."""
 
@@ -91,6 +99,18 @@ def intrinsics_of(width: int, height: int, K: Sequence[float] | Float[np.ndarray
     if not (np.isfinite([fx, fy, cx, cy]).all() and fx > 0 and fy > 0):
         raise ValueError(f"K has the focal lengths {fx:g} and {fy:g} px")
     return Intrinsics(width, height, fx, fy, cx, cy)
+
+
+def lens_distortion(model: str, D: Sequence[float] | Float[np.ndarray, "n"]) -> str | None:
+    """What a calibration says of its lens that a pinhole has not, in words; None where the images are rectified.
+
+    model, D: name and coefficients. Models of wide lenses (equidistant, Kannala-Brandt, f-theta) are no pinholes even
+    where all coefficients are 0.
+    """
+    coefficients = [float(d) for d in D]
+    if model.strip().lower().replace(" ", "_") in PINHOLE_IF_ZERO and not any(coefficients):
+        return None
+    return f"{model or 'lens'} distortion ({', '.join(f'{d:.4g}' for d in coefficients)})"
 
 
 def as_json(values: Mapping[str, Any]) -> bytes:

@@ -23,7 +23,7 @@ from franbv.adapters.recording.contents import (
     RunFacts,
 )
 from franbv.adapters.recording.depth_codes import image_of, metres
-from franbv.adapters.recording.forms import intrinsics_of, pose_of
+from franbv.adapters.recording.forms import RECTIFY, intrinsics_of, lens_distortion, pose_of
 from franbv.adapters.recording.mcap_records import (
     RECORDING_MEND,
     FoundMessage,
@@ -98,6 +98,9 @@ class _Reading:
             raise ValueError("it comes before the header")
         elif topic == topics.CALIBRATION_TOPIC.name:
             said = _checked(CalibrationMessage, data)
+            lens = lens_distortion(said.distortion_model, said.D)
+            if lens is not None:
+                raise RecordingError(f"{self.path}: {topic} has {lens}: {RECTIFY}")
             self.intrinsics = intrinsics_of(said.width, said.height, said.K)
         elif topic == topics.DEPTH_TOPIC.name:
             self.frames.append(self._seen(found, self.intrinsics))

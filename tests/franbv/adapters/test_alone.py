@@ -91,16 +91,45 @@ def test_without_the_sdk_the_mend_is_named():
     assert done.stderr == "franbv.adapters: pyrealsense2: not installed here; pip install 'franbv[realsense]'\n"
 
 
+@pytest.mark.parametrize(
+    ("absent", "body", "said"),
+    [
+        (
+            "roslibpy",
+            """
+            from franbv.adapters.arms.ros_arm import RosArm, RosArmSettings
+            RosArm(RosArmSettings())
+            """,
+            "franbv.adapters.arms.driver.ArmError: roslibpy: not installed here; pip install 'franbv[ros]'",
+        ),
+        (
+            "cv2",
+            """
+            from franbv.adapters.calibration.poses_file import Path, read_image
+            read_image(Path("x.png"))
+            """,
+            "CalibrationError: cv2: not installed here; pip install opencv-python-headless",
+        ),
+    ],
+)
+def test_what_an_arm_needs_is_named(absent: str, body: str, said: str):
+    """Arms and calibration can be imported without it; who uses it learns how to get it."""
+    done = without((*ABSENT, absent), body)
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].endswith(said)
+
+
 def test_importing_loads_no_sdk():
-    """Nothing is loaded until a camera is asked for."""
+    """Nothing is loaded until a camera, an arm or a board is asked for."""
     done = without(
         (),
         """
         import franbv.adapters.__main__, franbv.adapters.realsense.camera
-        print("pyrealsense2" in sys.modules)
+        import franbv.adapters.arms.manual_arm, franbv.adapters.arms.ros_arm
+        print({"pyrealsense2", "roslibpy", "twisted", "cv2"} & set(sys.modules))
         """,
     )
-    assert done.stdout.strip() == "False", done.stderr
+    assert done.stdout.strip() == "set()", done.stderr
 
 
 def test_a_missing_libusb_is_named(monkeypatch):

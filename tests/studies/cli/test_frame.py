@@ -13,7 +13,6 @@ from franbv.adapters.recording.depth_codes import STEPS_16, coding_of
 from franbv.adapters.recording.mcap_recording import read_recording
 from render.sensor import SensorSettings
 from studies.cli.main import main
-from studies.run.recorded_sensor import sensor_of
 from studies.store.images import millimetres, read_exr
 
 DISTANCE, THICKNESS, TOP = 0.4, 0.004, 0.08
@@ -172,7 +171,7 @@ def replayed_without_rendering(
     assert (found["mode"], found["decisions_equal"]) == ("closed_loop", True)
     assert (found["acquisitions"], found["stop"]) == (summary["acquisitions"], summary["stop"])
     recording = read_recording(record)
-    assert sensor_of(recording) == SensorSettings(roll_deg=0.0).resolved()
+    assert SensorSettings.model_validate(recording.run.sensor) == SensorSettings(roll_deg=0.0).resolved()
     assert recording.bursts[0].read_infrared() is not None
     assert coding_of(recording.bursts[0].read().depths, recording.camera.depth_unit) == STEPS_16
 

@@ -1,18 +1,21 @@
 """Recorded beside simulated depth: counted pixel by pixel, and alike where the scene itself was recorded."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from franbv.adapters.recording.contents import CameraFacts, RunFacts
+from franbv.adapters.recording.contents import CameraFacts, Recording, RunFacts
 from franbv.adapters.recording.writer import RecordingWriter
-from franbv.frames import look_at
+from franbv.frames import Intrinsics, look_at
+from materials.input_error import InputError
 from render.d435i import SimulatedD435i
 from render.sensor import SensorSettings
 from studies.cli.main import main
-from studies.run.real_and_simulated import TwinPixels, twin_figures
+from studies.run.real_and_simulated import Twin, TwinPixels, check_comparable, twin_figures
 from studies.run.scene_settings import SubjectSettings, build_subject
 from studies.run.stored_run import StoredRun
 
@@ -62,3 +65,43 @@ def test_a_simulated_recording_is_its_own_twin(tmp_path: Path, capsys: pytest.Ca
     scene.write_text("part: plate\nmaterial: [iron:polished]\nsensor: {crop: [40, 40]}\n")
     assert main([*args, "--parameters.n-frames", "2"]) == 2
     assert "has 40 x 40 pixels and the recorded one 60 x 40" in capsys.readouterr().err
+
+
+RECORDED = Intrinsics(60, 40, 40.0, 42.0, 29.5, 19.5)
+
+
+@pytest.mark.parametrize(
+    ("fx", "fy", "alike"), [(1.029, 1.0, True), (1.0, 0.971, True), (1.031, 1.0, False), (1.0, 0.969, False)]
+)
+def test_cameras_of_other_focal_lengths_are_not_compared(fx: float, fy: float, alike: bool):
+    """Up to 3 % of the recorded one's, along each axis for itself: images of one size can still show other things."""
+    simulated = replace(RECORDED, fx=fx * RECORDED.fx, fy=fy * RECORDED.fy)
+    if alike:
+        check_comparable(Path("scene.yaml"), simulated, RECORDED)
+        return
+    with pytest.raises(InputError, match=r"scene\.yaml: the simulated camera has focal lengths.*3% apart; set sensor"):
+        check_comparable(Path("scene.yaml"), simulated, RECORDED)
+
+
+@pytest.mark.parametrize(
+    ("sensor", "options", "words"),
+    [
+        ({"fps": 30}, {}, "run.mcap, settings of its sensor: unknown key `fps`"),
+        ({"decimation": 9}, {}, "run.mcap, settings of its sensor: `decimation` = 9"),
+        ({"profile": "30x20"}, {}, "run.mcap, settings of its sensor: "),
+        ({}, {"laser_power": 1000.0}, r"run.mcap, options of the camera: `imager.laser_power_mw` = 1000"),
+    ],
+)
+def test_a_sensor_that_cannot_be_simulated_is_the_recordings_fault(
+    tmp_path: Path, sensor: dict[str, Any], options: dict[str, Any], words: str
+):
+    """What the recording states is wrong, and the scene file says nothing of a sensor: the line begins with the
+    recording."""
+    scene = tmp_path / "scene.yaml"
+    scene.write_text("part: plate\nmaterial: [iron:polished]\n")
+    facts = CameraFacts(RECORDED, 0.1, 0.001)
+    recording = Recording(Path("run.mcap"), RunFacts(sensor=sensor), facts, (), options=options)
+    with pytest.raises(InputError) as error:
+        Twin.of(scene, recording, 1, None)
+    assert str(error.value).startswith(words)
+    assert "\n" not in str(error.value)

@@ -7,12 +7,14 @@ librealsense's topics (its src/media/ros/ros_file_format.h): /device_N/info, /de
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from franbv.adapters.recording.contents import CameraFacts
-from franbv.adapters.recording.forms import intrinsics_of
+from franbv.adapters.recording.bags.images import PACKED_DEPTH
+from franbv.adapters.recording.contents import CameraFacts, RecordingError
+from franbv.adapters.recording.forms import RECTIFY, intrinsics_of, lens_distortion
 from franbv.adapters.recording.messages import MOST_SIDE
 from franbv.frames import Intrinsics, stereo_min_z
 
@@ -28,7 +30,7 @@ UNITS_OPTION, BASELINE_OPTION, SHIFT_OPTION = "depth_units", "stereo_baseline", 
 class Facts:
     """All that was found."""
 
-    intrinsics: Intrinsics | None = None
+    intrinsics: Intrinsics
     options: dict[str, float | str] = field(default_factory=dict)
     """Of the sensor that the depth is of, by their names in lower case."""
     model: str | None = None
@@ -47,7 +49,7 @@ class Facts:
     def min_z(self) -> float | None:
         """Smallest Z-depth of a stereo camera [m], None where nothing is said."""
         baseline, shift = self.options.get(BASELINE_OPTION), self.options.get(SHIFT_OPTION, 0.0)
-        if self.intrinsics is None or not isinstance(baseline, float) or not isinstance(shift, float):
+        if not isinstance(baseline, float) or not isinstance(shift, float):
             return None
         if not (np.isfinite(baseline) and baseline != 0 and np.isfinite(shift) and shift >= 0):
             return None
@@ -58,9 +60,9 @@ class Facts:
         return CameraFacts(seen, min_z, self.depth_unit, self.model, self.serial, self.firmware)
 
 
-def facts_of(reader: Any, depth_topic: str) -> Facts:
-    """Read them from an open recording; ValueError where a calibration is none."""
-    facts = Facts()
+def facts_of(path: Path, reader: Any, depth_topic: str) -> Facts:
+    """Read them from an open recording; ValueError or RecordingError where a calibration is none that can be used."""
+    facts = Facts(_intrinsics(path, reader, depth_topic))
     place = DEVICE.match(depth_topic)
     wanted = [c for c in reader.connections if _is_fact(c.topic, place)]
     for connection, time_ns, raw in _messages(reader, wanted):
@@ -74,7 +76,6 @@ def facts_of(reader: Any, depth_topic: str) -> Facts:
             facts.model = pairs.get("Name", facts.model)
             facts.serial = pairs.get("Serial Number", facts.serial)
             facts.firmware = pairs.get("Firmware Version", facts.firmware)
-    facts.intrinsics = _intrinsics(reader, depth_topic)
     return facts
 
 
@@ -87,24 +88,39 @@ def _is_fact(topic: str, place: re.Match[str] | None) -> bool:
     return is_option or topic in (f"{place['device']}/info", f"{stream}/image/metadata")
 
 
-def _intrinsics(reader: Any, depth_topic: str) -> Intrinsics | None:
-    """Of the calibration whose topic has most of its name in common with the images'."""
-    beside = [c for c in reader.connections if c.msgtype == CAMERA_INFO]
-    if not beside:
-        return None
-    nearest = max(beside, key=lambda c: _in_common(c.topic, depth_topic))
-    for connection, _, raw in _messages(reader, [nearest]):
+def _intrinsics(path: Path, reader: Any, depth_topic: str) -> Intrinsics:
+    """Of the depth images' own calibration; RecordingError where there is none, or it is no pinhole's."""
+    own = _calibration(path, [c for c in reader.connections if c.msgtype == CAMERA_INFO], depth_topic)
+    for connection, _, raw in _messages(reader, [own]):
         said = reader.deserialize(raw, connection.msgtype)
         if not (0 < said.width <= MOST_SIDE and 0 < said.height <= MOST_SIDE):
-            raise ValueError(f"{nearest.topic} is of {said.width} x {said.height} px")
-        return intrinsics_of(said.width, said.height, said.K if hasattr(said, "K") else said.k)
-    return None
+            raise ValueError(f"{own.topic} is of {said.width} x {said.height} px")
+        K, D = (said.K, said.D) if hasattr(said, "K") else (said.k, said.d)
+        lens = lens_distortion(said.distortion_model, D)
+        if lens is not None:
+            raise RecordingError(f"{path}: {own.topic} has {lens}: {RECTIFY}")
+        return intrinsics_of(said.width, said.height, K)
+    raise RecordingError(f"{path}: holds no calibration, and {own.topic} is empty; record it, too")
 
 
-def _in_common(one: str, other: str) -> int:
-    """How many parts of a topic's name agree, from the first on."""
-    agree = [a == b for a, b in zip(one.split("/"), other.split("/"), strict=False)]
-    return agree.index(False) if False in agree else len(agree)
+def _calibration(path: Path, calibrations: list[Any], depth_topic: str) -> Any:
+    """The connection that calibrates the stream of the depth images.
+
+    librealsense keeps it below the stream's own name; ROS beside the images, and as `camera_info` where several are
+    there (image_transport, `getCameraInfoTopic`). Those of colour and infrared stand elsewhere.
+    """
+    place = DEVICE.match(depth_topic)
+    namespace = depth_topic.removesuffix(f"/{PACKED_DEPTH}").rpartition("/")[0]
+    below = place[0] if place else f"{namespace}/"
+    own = [c for c in calibrations if c.topic.startswith(below) and (place or "/" not in c.topic.removeprefix(below))]
+    named = [c for c in own if c.topic.endswith("/camera_info")] if len({c.topic for c in own}) > 1 else own
+    if not named:
+        others = ", ".join(sorted({c.topic for c in calibrations})) or "none"
+        raise RecordingError(
+            f"{path}: holds no calibration (sensor_msgs/CameraInfo) of {depth_topic}, below {below}; record it, too; "
+            f"its calibrations are: {others}"
+        )
+    return named[0]
 
 
 def _messages(reader: Any, connections: list[Any]) -> Iterator[tuple[Any, int, bytes]]:

@@ -3,6 +3,7 @@
 Rules, where a recording leaves it open:
 - depth: the one topic of 16-bit or 32-bit depth images, raw or as 16-bit PNG (`compressedDepth`); of several, the one
   that is named. 16-bit depth counts millimetres (REP 118), or what the option `depth_units` says.
+- calibration: the CameraInfo of the same stream, never that of colour or infrared, and without distortion.
 - time of a frame: that of its metadata (librealsense), else that of its header.
 - pose: `franbv.adapters.recording.bags.pose_rules`.
 - burst: frames from one place, at least as many as are asked for, and the first of them; shorter runs of frames were
@@ -107,9 +108,7 @@ def read_bag(path: Path, choices: BagChoices) -> Recording:
     beside = _run_beside(choices)
     with opened(path) as reader:
         depth = _depth_connection(path, reader, choices.depth_topic)
-        facts = facts_of(reader, depth.topic)
-        if facts.intrinsics is None:
-            raise RecordingError(f"{path}: holds no calibration (sensor_msgs/CameraInfo); record it, too")
+        facts = facts_of(path, reader, depth.topic)
         frames = list(_frames(path, reader, depth, facts))
         pose_at = None if beside is not None else poses_by_rule(path, reader, depth.topic, choices)
     source = _Source(path, depth.topic, facts.intrinsics, facts.depth_unit, choices.reduced)

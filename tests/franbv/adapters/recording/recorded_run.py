@@ -8,7 +8,7 @@ from jaxtyping import UInt8
 
 from franbv.acquisition import Reconstruction
 from franbv.adapters.recording.contents import CameraFacts, RunFacts
-from franbv.adapters.recording.watched import Watch
+from franbv.adapters.recording.watched import TimesOf, Watch
 from franbv.adapters.recording.writer import RecordingWriter
 from franbv.parameters import Parameters
 from franbv.planners import fra
@@ -51,10 +51,10 @@ def infrared(number: int) -> UInt8[np.ndarray, "h w"] | None:
     return np.full((90, 160), number, np.uint8) if number % 2 == 0 else None
 
 
-def record(path: Path, kind: type[AnalyticCamera] = InSteps) -> Reconstruction:
+def record(path: Path, kind: type[AnalyticCamera] = InSteps, times_of: TimesOf = lambda number: None) -> Reconstruction:
     """Make the run and its recording."""
     with RecordingWriter(path, RUN, CAMERA) as writer:
-        watch = Watch(writer, infrared)
+        watch = Watch(writer, infrared, times_of)
         loop = watch.camera(camera(kind)), watch.arm(FreeArm()), fra(), PARAMETERS
         run = reconstruct(*loop, seed=SEED, observe=watch.observe)
         watch.stop(run.stop)

@@ -98,6 +98,27 @@ def test_a_run_that_is_not_known_is_refused(
     assert words in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("flags", "words"),
+    [
+        (["--n-frames", "0"], "--n-frames 0: a burst has frames; ask for 1 at least"),
+        (["--n-frames", "-3"], "--n-frames -3: "),
+        (["--min-z", "0"], "--min-z 0: is no distance; give metres above 0"),
+        (["--min-z", "-0.1"], "--min-z -0.1: "),
+        (["--min-z", "nan"], "--min-z nan: "),
+        (["--min-z", "inf"], "--min-z inf: "),
+    ],
+)
+def test_numbers_that_mean_nothing_are_refused(
+    recorded, capsys: pytest.CaptureFixture[str], flags: list[str], words: str
+):
+    """One line with the flag and what to give."""
+    assert run(["replay", str(recorded.path), *flags]) == 2
+    said = capsys.readouterr()
+    assert words in said.err
+    assert (said.out, said.err.count("\n")) == ("", 1)
+
+
 def test_a_folder_that_cannot_be_written_is_refused(recorded, capsys: pytest.CaptureFixture[str]):
     """Here it is a file."""
     assert run(["replay", str(recorded.path), "--out", str(recorded.path)]) == 2

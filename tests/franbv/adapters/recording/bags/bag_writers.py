@@ -36,13 +36,18 @@ def header(store: Typestore, time_ns: int, frame: str) -> Any:
 
 
 def image(store: Typestore, number: int, time_ns: int, frame: str = "optical", encoding: str = "16UC1") -> Any:
-    """sensor_msgs/Image with four bytes of padding behind every row."""
-    rows = steps(number)
+    """Frame `number` as `image_of` has it."""
+    return image_of(store, steps(number), time_ns, frame, encoding)
+
+
+def image_of(store: Typestore, rows: np.ndarray, time_ns: int, frame: str = "optical", encoding: str = "16UC1") -> Any:
+    """sensor_msgs/Image of 16-bit millimetres with four bytes of padding behind every row."""
+    height, width = rows.shape
     if encoding == "32FC1":
         rows = np.where(rows, rows / np.float32(1000), np.nan).astype(np.float32)
-    padded = np.hstack([rows.view(np.uint8), np.full((HEIGHT, 4), 7, np.uint8)])
+    padded = np.hstack([rows.view(np.uint8), np.full((height, 4), 7, np.uint8)])
     return store.types["sensor_msgs/msg/Image"](
-        header=header(store, time_ns, frame), height=HEIGHT, width=WIDTH, encoding=encoding, is_bigendian=0,
+        header=header(store, time_ns, frame), height=height, width=width, encoding=encoding, is_bigendian=0,
         step=padded.shape[1], data=padded.ravel(),
     )  # fmt: skip
 
@@ -54,13 +59,20 @@ def packed(number: int, time_ns: int, frame: str = "optical") -> Any:
     return kind(header=header(ROS2, time_ns, frame), format="16UC1; compressedDepth png", data=data)
 
 
-def camera_info(store: Typestore, width: int = WIDTH) -> Any:
+def camera_info(
+    store: Typestore,
+    width: int = WIDTH,
+    model: str = "plumb_bob",
+    distortion: Sequence[float] = (0.0,) * 5,
+    height: int = HEIGHT,
+    matrix: Sequence[float] = K,
+) -> Any:
     """sensor_msgs/CameraInfo."""
     roi = store.types["sensor_msgs/msg/RegionOfInterest"](0, 0, 0, 0, False)
     names = "DKRP" if store is ROS1 else "dkrp"
-    arrays = [np.zeros(5), np.array(K), np.eye(3).ravel(), np.zeros(12)]
+    arrays = [np.array(distortion, float), np.array(matrix), np.eye(3).ravel(), np.zeros(12)]
     return store.types["sensor_msgs/msg/CameraInfo"](
-        header=header(store, 0, "optical"), height=HEIGHT, width=width, distortion_model="plumb_bob", binning_x=0,
+        header=header(store, 0, "optical"), height=height, width=width, distortion_model=model, binning_x=0,
         binning_y=0, roi=roi, **dict(zip(names, arrays, strict=True)),
     )  # fmt: skip
 
