@@ -229,9 +229,9 @@ def test_a_recording_that_cannot_be_made_is_refused_at_once(tmp_path: Path):
     """Before anything is rendered: another kind of file, a file that is there, many starts."""
     settings, there = ReconstructSettings(part="A"), tmp_path / "there.mcap"
     there.touch()
-    for record, words in [(tmp_path / "a.bag", "recordings are MCAP"), (there, "is there already")]:
+    for file, words in [(tmp_path / "a.bag", "recordings are MCAP"), (there, "is there already")]:
         with pytest.raises(InputError, match=words):
-            check_record(ReconstructCommand(settings, tmp_path, record=record), settings)
+            check_record(ReconstructCommand(settings, tmp_path, record=file), settings)
     with pytest.raises(InputError, match="--record is for one run"):
         check_starts(ReconstructCommand(settings, tmp_path, starts=2, record=tmp_path / "a.mcap"))
 
