@@ -67,7 +67,7 @@ def check_record(command: ReconstructCommand, config: ReconstructSettings) -> No
         raise InputError(f"{command.out}: holds this very run already; choose another --out to make and record it")
 
 
-def check_view(command: ReconstructCommand, config: ReconstructSettings) -> None:
+def check_watchable(command: ReconstructCommand, config: ReconstructSettings) -> None:
     """InputError where there is nothing left to watch."""
     if command.view and finished_case(command.out, case_digest(RUN_COMMAND, config)) is not None:
         raise InputError(
@@ -80,7 +80,7 @@ def run_once(command: ReconstructCommand, subject: Subject) -> int:
     """One run from the start that the settings name."""
     config = resolved_run(command.settings)
     check_record(command, config)
-    check_view(command, config)
+    check_watchable(command, config)
     with shown_live(command.view, subject.title, config.parameters.invalid_share) as view:
         case, found = made_once(
             RUN_COMMAND,

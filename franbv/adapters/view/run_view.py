@@ -9,17 +9,25 @@ import rerun as rr
 from jaxtyping import UInt8
 
 from franbv.acquisition import Acquisition
-from franbv.adapters.view import entities
+from franbv.adapters.view.entities import TIMELINE, Entity
 from franbv.adapters.view.layout import layout
 from franbv.adapters.view.shapes import lines_of_sight, origins_of, placed_boxes, placed_ellipsoids
 from franbv.adapters.view.sight import CURVES, ShownVoxels, Sight, sight_of
 
-BLUE, AMBER, VIOLET = (66, 135, 245), (245, 176, 65), (155, 89, 182)
-"""Of what is occupied, of the frontier, of the cloud: a choice."""
-RED, GREEN, GREY = (231, 76, 60), (39, 174, 96), (150, 150, 150)
-"""Of what reflects, of where to look again, of the way: a choice."""
-POINT_RADIUS = 0.0008
-"""Of the cloud's points [m] (choice: a sixth of the paper's voxels, so that points on neighbouring ones stay apart)."""
+
+class Colour:
+    """Of what is drawn [0, 255]: a choice."""
+
+    OCCUPIED = (66, 135, 245)
+    FRONTIER = (245, 176, 65)
+    CLOUD = (155, 89, 182)
+    REFLECTIVE = (231, 76, 60)
+    LOOK_AGAIN = (39, 174, 96)
+    WAY = (150, 150, 150)
+
+
+POINT_RADIUS = 0.00075
+"""Of the cloud's points [m] (choice: a tenth of the paper's voxels, so that points of neighbouring ones stay apart)."""
 LINE_RADIUS = 0.0005
 """Of edges and of the way [m] (choice: thinner than a point)."""
 ARROW = 0.05
@@ -36,7 +44,7 @@ class RunView:
         self._stream, self._invalid_share = stream, invalid_share
         self._way: list[np.ndarray] = []
         stream.send_blueprint(layout())
-        stream.log(entities.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True, strict=True)
+        stream.log(Entity.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True, strict=True)
 
     def observe(
         self,
@@ -49,35 +57,35 @@ class RunView:
 
     def show(self, sight: Sight) -> None:
         """Draw what is shown of an acquisition."""
-        self._stream.set_time(entities.TIMELINE, sequence=sight.index)
-        self._draw(entities.CLOUD, rr.Points3D(_single(sight.points), radii=POINT_RADIUS, colors=VIOLET))
+        self._stream.set_time(TIMELINE, sequence=sight.index)
+        self._draw(Entity.CLOUD, rr.Points3D(_single(sight.points), radii=POINT_RADIUS, colors=Colour.CLOUD))
         if sight.voxels is not None:
             self._draw_voxels(sight.voxels)
         self._draw_ellipsoids(sight)
         self._draw_regions(sight)
         self._draw_camera(sight)
         if sight.infrared is None:
-            self._draw(entities.INFRARED, rr.Clear(recursive=False))
+            self._draw(Entity.INFRARED, rr.Clear(recursive=False))
         else:
             self.infrared(sight.index, sight.infrared)
         for name in CURVES:
             value = sight.curves.get(name)
             if value is not None:
-                self._draw(f"{entities.CURVE}/{name}", rr.Scalars(value))
+                self._draw(f"{Entity.CURVES}/{name}", rr.Scalars(value))
         words = f"acquisition {sight.index}: {sight.kind}, NBV iteration {sight.iteration}"
-        self._draw(entities.LOG, rr.TextLog(words, level=rr.TextLogLevel.INFO))
+        self._draw(Entity.LOG, rr.TextLog(words, level=rr.TextLogLevel.INFO))
 
     def infrared(self, index: int, image: UInt8[np.ndarray, "h w"]) -> None:
         """Draw the left infrared image of an acquisition that was shown without one."""
-        self._stream.set_time(entities.TIMELINE, sequence=index)
-        self._draw(entities.INFRARED, rr.Image(image, color_model="L"))
+        self._stream.set_time(TIMELINE, sequence=index)
+        self._draw(Entity.INFRARED, rr.Image(image, color_model="L"))
 
     def _draw_voxels(self, voxels: ShownVoxels) -> None:
         half = np.full(3, voxels.size / 2, np.float32)
         solid, edges = rr.components.FillMode.Solid, rr.components.FillMode.MajorWireframe
         cubes = [
-            (entities.OCCUPIED, voxels.occupied, BLUE, solid),
-            (entities.FRONTIER, voxels.frontier, AMBER, edges),
+            (Entity.OCCUPIED, voxels.occupied, Colour.OCCUPIED, solid),
+            (Entity.FRONTIER, voxels.frontier, Colour.FRONTIER, edges),
         ]
         for path, centres, colour, mode in cubes:
             halves = np.broadcast_to(half, (len(centres), 3))
@@ -90,8 +98,8 @@ class RunView:
 
     def _draw_ellipsoids(self, sight: Sight) -> None:
         both = [
-            (entities.OF_OCCUPIED, sight.ellipsoids.of_occupied(), BLUE),
-            (entities.OF_FRONTIER, sight.ellipsoids.of_frontier(), AMBER),
+            (Entity.OCCUPIED_ELLIPSOIDS, sight.ellipsoids.of_occupied(), Colour.OCCUPIED),
+            (Entity.FRONTIER_ELLIPSOIDS, sight.ellipsoids.of_frontier(), Colour.FRONTIER),
         ]
         for path, some, colour in both:
             centres, halves, quaternions = map(_single, placed_ellipsoids(some))
@@ -111,21 +119,30 @@ class RunView:
     def _draw_regions(self, sight: Sight) -> None:
         centres, halves, quaternions = map(_single, placed_boxes(sight.regions))
         self._draw(
-            entities.REGIONS,
-            rr.Boxes3D(centers=centres, half_sizes=halves, quaternions=quaternions, colors=RED, radii=2 * LINE_RADIUS),
+            Entity.REGIONS,
+            rr.Boxes3D(
+                centers=centres,
+                half_sizes=halves,
+                quaternions=quaternions,
+                colors=Colour.REFLECTIVE,
+                radii=2 * LINE_RADIUS,
+            ),
         )
         arrows = _single(ARROW * lines_of_sight(sight.recovery_poses))
         origins = _single(origins_of(sight.recovery_poses))
-        self._draw(entities.RECOVERY, rr.Arrows3D(vectors=arrows, origins=origins, colors=GREEN, radii=2 * LINE_RADIUS))
+        self._draw(
+            Entity.RECOVERY_POSES,
+            rr.Arrows3D(vectors=arrows, origins=origins, colors=Colour.LOOK_AGAIN, radii=2 * LINE_RADIUS),
+        )
 
     def _draw_camera(self, sight: Sight) -> None:
         """Frustum, depth and the way so far. The viewer counts pixels from the corner of the first, we from its centre:
         the principal point moves by half a pixel."""
         pose, lens = sight.T_world_cam, sight.intrinsics
         quaternion = rr.Quaternion(xyzw=pose.rotation.as_quat())
-        self._draw(entities.CAMERA, rr.Transform3D(translation=pose.translation, quaternion=quaternion))
+        self._draw(Entity.CAMERA, rr.Transform3D(translation=pose.translation, quaternion=quaternion))
         self._draw(
-            entities.LENS,
+            Entity.LENS,
             rr.Pinhole(
                 resolution=(lens.width, lens.height),
                 focal_length=(lens.fx, lens.fy),
@@ -133,10 +150,10 @@ class RunView:
                 image_plane_distance=FRUSTUM,
             ),
         )
-        self._draw(entities.DEPTH, rr.DepthImage(sight.depth.astype(np.float32), meter=1.0))
+        self._draw(Entity.DEPTH, rr.DepthImage(sight.depth.astype(np.float32), meter=1.0))
         self._way.append(pose.translation)
         way = [_single(np.array(self._way))]
-        self._draw(entities.WAY, rr.LineStrips3D(way, colors=GREY, radii=LINE_RADIUS))
+        self._draw(Entity.WAY, rr.LineStrips3D(way, colors=Colour.WAY, radii=LINE_RADIUS))
 
     def _draw(self, path: str, thing: rr.AsComponents) -> None:
         """At the present step; what the viewer would only warn of is raised."""

@@ -9,18 +9,18 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from franbv.ellipsoids import Ellipsoids
 from franbv.geometry.oriented_box import OrientedBox
 
-Placed = tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"], Float[np.ndarray, "n 4"]]
+PlacedShapes = tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"], Float[np.ndarray, "n 4"]]
 """Centres [m], half sizes [m], orientations as quaternions x, y, z, w."""
 
 
-def placed_ellipsoids(ellipsoids: Ellipsoids) -> Placed:
+def placed_ellipsoids(ellipsoids: Ellipsoids) -> PlacedShapes:
     """Semi-axes are the roots of the eigenvalues of S; its eigenvectors are turned to a right-handed frame."""
     squares, axes = np.linalg.eigh(ellipsoids.shapes)
     axes[..., 0] *= np.sign(np.linalg.det(axes))[:, None]
     return ellipsoids.centres, np.sqrt(squares), _quaternions(axes)
 
 
-def placed_boxes(boxes: Sequence[OrientedBox]) -> Placed:
+def placed_boxes(boxes: Sequence[OrientedBox]) -> PlacedShapes:
     """As the boxes have it: their axes are right-handed."""
     centres = np.array([box.centre for box in boxes]).reshape(-1, 3)
     half_sizes = np.array([box.half_extents for box in boxes]).reshape(-1, 3)

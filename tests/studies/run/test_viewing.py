@@ -19,7 +19,7 @@ from franbv.adapters.view.sight import ViewError
 from materials.input_error import InputError
 from studies.base.case_folder import case_digest
 from studies.cli.main import main
-from studies.cli.reconstruct import ReconstructCommand, check_starts, check_view
+from studies.cli.reconstruct import ReconstructCommand, check_starts, check_watchable
 from studies.run import viewing
 from studies.run.acquisition_table import ACQUISITION_COLUMNS
 from studies.run.bursts import KeptCaptures
@@ -260,11 +260,11 @@ def test_what_cannot_be_watched_is_refused_at_once(tmp_path: Path):
     settings = ReconstructSettings(part="A")
     with pytest.raises(InputError, match="--view is for one run"):
         check_starts(ReconstructCommand(settings, tmp_path, starts=2, view=True))
-    check_view(ReconstructCommand(settings, tmp_path, view=True), settings)
+    check_watchable(ReconstructCommand(settings, tmp_path, view=True), settings)
     (tmp_path / case_digest(RUN_COMMAND, settings)).mkdir()
     with pytest.raises(InputError, match="holds this very run already"):
-        check_view(ReconstructCommand(settings, tmp_path, view=True), settings)
-    check_view(ReconstructCommand(settings, tmp_path), settings)
+        check_watchable(ReconstructCommand(settings, tmp_path, view=True), settings)
+    check_watchable(ReconstructCommand(settings, tmp_path), settings)
 
 
 def test_a_missing_package_is_one_line(

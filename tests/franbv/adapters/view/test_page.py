@@ -14,7 +14,7 @@ from tests.franbv.adapters.view.conftest import run_before
 from tests.studies.browser import CHROMIUM
 
 pytest.importorskip("rerun")
-from franbv.adapters.view.run_view import AMBER
+from franbv.adapters.view.run_view import Colour
 from tests.franbv.adapters.view.watched_browser import WatchedBrowser
 
 OTHER_HOSTS = {"fonts.googleapis.com", "fonts.gstatic.com", "api.github.com", "app.rerun.io", "tel.rerun.io"}
@@ -28,7 +28,7 @@ PATIENCE_S = 200.0
 def amber_pixels(png: bytes) -> int:
     """How much of a picture has the colour of the frontier."""
     picture = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR)[:, :, ::-1].astype(int)
-    return int(np.count_nonzero(np.abs(picture - AMBER).max(axis=2) < 25))
+    return int(np.count_nonzero(np.abs(picture - Colour.FRONTIER).max(axis=2) < 25))
 
 
 @pytest.mark.browser
