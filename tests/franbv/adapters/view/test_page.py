@@ -21,7 +21,7 @@ OTHER_HOSTS = {"fonts.googleapis.com", "fonts.gstatic.com", "api.github.com", "a
 """Of the viewer's own page: a font, its newest version, its examples, counts of its use. docs say so."""
 UNSEEN_WITHOUT_A_RUN = 100
 """Pixels in the colour of the frontier's edges (choice: some edges; the page itself has none)."""
-PATIENCE_S = 200.0
+PATIENCE_S = 400.0
 """Until the run is drawn [s]: the page's shaders are compiled and run on the processor."""
 
 
