@@ -157,7 +157,7 @@ class RosBridge:
         self.check()
         sent = BridgeGoal(roslibpy().ActionClient(self._ros, action, action_type))
         sent.name = sent.client.send_goal(
-            roslibpy().BridgeGoal(dict(goal)), sent.give, lambda feedback: None, sent.refuse
+            roslibpy().Goal(dict(goal)), sent.give, lambda feedback: None, sent.refuse
         )
         return sent
 
