@@ -156,9 +156,7 @@ class RosBridge:
         """Begin an action."""
         self.check()
         sent = BridgeGoal(roslibpy().ActionClient(self._ros, action, action_type))
-        sent.name = sent.client.send_goal(
-            roslibpy().Goal(dict(goal)), sent.give, lambda feedback: None, sent.refuse
-        )
+        sent.name = sent.client.send_goal(roslibpy().Goal(dict(goal)), sent.give, lambda feedback: None, sent.refuse)
         return sent
 
     def cancel(self, goal: BridgeGoal) -> None:
