@@ -7,6 +7,7 @@ import time
 import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
+from franbv.adapters.arms import ros_arm
 from franbv.adapters.arms.driver import ArmError
 from franbv.adapters.arms.ros_arm import RosArm
 from franbv.adapters.arms.ros_settings import RosArmSettings
@@ -111,6 +112,18 @@ def test_the_connection_is_cut_while_the_arm_moves(opened, comes_back: bool):
     fails("the connection was lost.*; a stop was sent over a new connection", arm.execute, path, on)
     assert server.stops >= 1
     fails("the connection was lost; check network and rosbridge, and open the arm anew", arm.flange_pose)
+
+
+def test_an_error_while_it_stops_hides_nothing(opened, monkeypatch: pytest.MonkeyPatch):
+    """What breaks in the second connection, of whatever kind, ends in the same line: nobody could stop the arm."""
+    arm = opened(StubMoveIt("later", duration_s=1.0, script="cut"))
+    path = arm.plan(GOAL)
+
+    def broken(url: str, connect_timeout_s: float) -> None:
+        raise OSError("no socket is left")
+
+    monkeypatch.setattr(ros_arm, "RosBridge", broken)
+    fails("the connection was lost.*; the arm may still move: stop it there", arm.execute, path, on)
 
 
 @pytest.mark.parametrize("who", ["says no", "raises", "another thread"])
