@@ -12,10 +12,11 @@ from typing import Annotated
 import numpy as np
 from jaxtyping import UInt8
 from pydantic import BaseModel, ConfigDict, Field
-from scipy.spatial.transform import RigidTransform, Rotation, Slerp
+from scipy.spatial.transform import RigidTransform
 
 from franbv.adapters.arms.driver import POLL_S, ArmError, FlangePath
-from franbv.adapters.arms.flange_poses import STEP_DEG, STEP_M, pose_distance
+from franbv.adapters.arms.flange_poses import pose_distance
+from franbv.adapters.arms.straight import straight_poses
 from franbv.adapters.calibration.calibration_error import CalibrationError
 from franbv.adapters.calibration.charuco import CharucoBoard, ViewRules, find_board
 from franbv.frames import Intrinsics, project
@@ -106,13 +107,7 @@ class ManualArm:
         begin = self.flange_pose()
         if not self.can_reach(T_base_flange):
             return None
-        metres, degrees = pose_distance(begin, T_base_flange)
-        n = 1 + int(np.ceil(max(metres / STEP_M, degrees / STEP_DEG, 1.0)))
-        shares = np.linspace(0.0, 1.0, n)[1:-1]
-        turns = Slerp([0.0, 1.0], Rotation.concatenate([begin.rotation, T_base_flange.rotation]))
-        places = [begin.translation + share * (T_base_flange.translation - begin.translation) for share in shares]
-        between = [RigidTransform.from_components(*pair) for pair in zip(places, map(turns, shares), strict=True)]
-        return FlangePath((begin, *between, T_base_flange), 0.0)
+        return FlangePath(straight_poses(begin, T_base_flange), 0.0)
 
     def execute(self, path: FlangePath, may_go_on: Callable[[], bool]) -> None:
         """Ask the person to bring the camera to the path's end, until it is there or they take it as it stands.

@@ -1,10 +1,10 @@
 """Arms by the name that a command line gives: those of ours, or anybody's own."""
 
-import importlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from franbv.adapters.arms.driver import ArmDriver, ArmError
+from franbv.adapters.named_function import named_function
 
 OWN_ARMS: Mapping[str, str] = {"ros": "franbv.adapters.arms.ros_opening:open_ros_arm"}
 """Where each of ours is opened; loaded when it is asked for."""
@@ -15,13 +15,7 @@ def open_arm(kind: str, settings: Mapping[str, Any]) -> ArmDriver:
 
     ArmError in one line where there is no such arm, or it does not answer.
     """
-    module, _, function = OWN_ARMS.get(kind, kind).partition(":")
-    if not function:
-        raise ArmError(f"arm {kind}: unknown; choose one of {', '.join(OWN_ARMS)}, manual, or package.module:function")
-    try:
-        make: Callable[..., ArmDriver] = getattr(importlib.import_module(module), function)
-    except (ImportError, AttributeError) as error:
-        raise ArmError(f"arm {kind}: cannot be loaded ({error}); name a function that can be imported") from None
+    make = named_function("arm", kind, OWN_ARMS, f"{', '.join(OWN_ARMS)}, manual", ArmError)
     try:
         return make(**settings)
     except TypeError as error:

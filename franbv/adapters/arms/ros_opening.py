@@ -7,6 +7,7 @@ from pydantic import ValidationError
 from franbv.adapters.arms.driver import ArmError
 from franbv.adapters.arms.ros_arm import RosArm
 from franbv.adapters.arms.ros_settings import RosArmSettings
+from franbv.adapters.first_fault import first_fault
 
 
 def open_ros_arm(**settings: Any) -> RosArm:
@@ -14,7 +15,5 @@ def open_ros_arm(**settings: Any) -> RosArm:
     try:
         checked = RosArmSettings.model_validate(settings)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        place = ".".join(map(str, first["loc"])) or "settings"
-        raise ArmError(f"arm ros: {place}: {first['msg'].removeprefix('Value error, ')}; see docs/robot.md") from None
+        raise ArmError(f"arm ros: {first_fault(error, 'settings')}; see docs/robot.md") from None
     return RosArm(checked)

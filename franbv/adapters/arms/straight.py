@@ -1,23 +1,19 @@
-"""Ways of an arm whose tool goes straight: the flange's, cut into small steps."""
+"""The straight way of a flange, cut into steps that a guard lets pass."""
 
 import math
 
 import numpy as np
 from scipy.spatial.transform import RigidTransform, Rotation, Slerp
 
-from franbv.adapters.arms.driver import FlangePath
-
-WAY_STEP, TURN_STEP_DEG = 0.02, 2.0
-"""Between neighbours [m, deg] (choice: well below what a guard lets pass)."""
+from franbv.adapters.arms.flange_poses import STEP_DEG, STEP_M, pose_distance
 
 
-def straight_path(T_start: RigidTransform, T_goal: RigidTransform, speed: float, turning_deg_s: float) -> FlangePath:
-    """The straight way from one pose of the flange to the other, at these speeds [m/s, deg/s], both throughout."""
-    way = float(np.linalg.norm(T_goal.translation - T_start.translation))
-    turn = float(np.degrees((T_start.rotation.inv() * T_goal.rotation).magnitude()))
-    n = max(1, math.ceil(way / WAY_STEP), math.ceil(turn / TURN_STEP_DEG))
-    shares = np.arange(n + 1) / n
-    turns = Slerp([0.0, 1.0], Rotation.concatenate([T_start.rotation, T_goal.rotation]))(shares)
-    places = T_start.translation + shares[:, None] * (T_goal.translation - T_start.translation)
-    poses = tuple(RigidTransform.from_components(p, r) for p, r in zip(places, turns, strict=True))
-    return FlangePath(poses, max(way / speed, turn / turning_deg_s))
+def straight_poses(T_start: RigidTransform, T_goal: RigidTransform) -> tuple[RigidTransform, ...]:
+    """Both poses, and as many between them as it takes; place and turn go evenly."""
+    metres, degrees = pose_distance(T_start, T_goal)
+    n = 1 + math.ceil(max(metres / STEP_M, degrees / STEP_DEG, 1.0))
+    shares = np.linspace(0.0, 1.0, n)[1:-1]
+    turns = Slerp([0.0, 1.0], Rotation.concatenate([T_start.rotation, T_goal.rotation]))
+    places = [T_start.translation + share * (T_goal.translation - T_start.translation) for share in shares]
+    between = [RigidTransform.from_components(*pair) for pair in zip(places, map(turns, shares), strict=True)]
+    return (T_start, *between, T_goal)

@@ -21,6 +21,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from franbv.adapters.calibration.calibration_error import CalibrationError
 from franbv.adapters.calibration.charuco import CharucoBoard, ViewRules, find_board, opencv
+from franbv.adapters.first_fault import first_fault
 from franbv.frames import Intrinsics
 from franbv.parameters import Count, Positive
 
@@ -101,11 +102,7 @@ def read_poses_file(path: Path) -> PosesFile:
     try:
         return PosesFile.model_validate({"poses": said} if isinstance(said, list) else said)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        place = ".".join(str(part) for part in first["loc"] if not str(part).startswith("tuple[")) or "the file"
-        raise CalibrationError(
-            f"{path}: {place}: {first['msg'].removeprefix('Value error, ')}; see docs/robot.md for the form"
-        ) from error
+        raise CalibrationError(f"{path}: {first_fault(error, 'the file')}; see docs/robot.md for the form") from error
 
 
 def stated_json(path: Path) -> Any:

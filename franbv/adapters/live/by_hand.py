@@ -8,6 +8,7 @@ from pydantic import Field, ValidationError
 from franbv.adapters.arms.driver import ArmError
 from franbv.adapters.arms.manual_arm import ManualArm, ManualArmSettings, TakesImage
 from franbv.adapters.calibration.charuco import CharucoBoard
+from franbv.adapters.first_fault import first_fault
 from franbv.adapters.live.cell import MatrixRows, rigid
 
 MANUAL = "manual"
@@ -32,11 +33,7 @@ def manual_arm(
         stated = ManualCell.model_validate(dict(settings))
         T_world_board = rigid("T_world_board", stated.T_world_board)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        place = ".".join(map(str, first["loc"])) or "arm"
-        raise ArmError(
-            f"arm manual: {place}: {first['msg'].removeprefix('Value error, ')}; see docs/robot.md"
-        ) from None
+        raise ArmError(f"arm manual: {first_fault(error, 'arm')}; see docs/robot.md") from None
     except ValueError as error:
         raise ArmError(f"arm manual: {error}; see docs/robot.md") from None
     rest = {name: getattr(stated, name) for name in ManualArmSettings.model_fields}

@@ -15,6 +15,8 @@ from jaxtyping import Float
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from scipy.spatial.transform import RigidTransform
 
+from franbv.adapters.first_fault import first_fault
+
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Corner = tuple[Number, Number, Number]
 CornerBox = tuple[Corner, Corner]
@@ -118,23 +120,28 @@ def rigid(name: str, rows: MatrixRows) -> RigidTransform:
     return RigidTransform.from_matrix(matrix)
 
 
-def read_cell(path: Path) -> RobotCell:
-    """The cell of a YAML file; CellError in one line where it cannot be read or is not sound."""
+def stated_in(path: Path | None) -> dict[str, Any]:
+    """What a YAML file says, nothing where there is none; CellError in one line where it cannot be read."""
+    if path is None:
+        return {}
     try:
         stated = yaml.safe_load(path.read_text())
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "no text"
-        raise CellError(f"{path}: cannot be read ({reason}); name the cell's YAML file") from None
+        raise CellError(f"{path}: cannot be read ({reason}); name a YAML file") from None
     except yaml.YAMLError as error:
         raise CellError(f"{path}: no YAML ({' '.join(str(error).split())}); see docs/robot.md") from None
     if not isinstance(stated, dict):
-        raise CellError(f"{path}: has no settings; see docs/robot.md")
+        raise CellError(f"{path}: has no settings; give names and values")
+    return stated
+
+
+def read_cell(path: Path) -> RobotCell:
+    """The cell of a YAML file; CellError in one line where it cannot be read or is not sound."""
     try:
-        return RobotCell.model_validate(stated)
+        return RobotCell.model_validate(stated_in(path))
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        place = ".".join(map(str, first["loc"])) or "cell"
-        raise CellError(f"{path}: {place}: {first['msg'].removeprefix('Value error, ')}; see docs/robot.md") from None
+        raise CellError(f"{path}: {first_fault(error, 'cell')}; see docs/robot.md") from None
 
 
 def distance_to_box(points: Float[np.ndarray, "n 3"], box: CornerBox) -> Float[np.ndarray, "n"]:

@@ -14,8 +14,9 @@ from franbv.acquisition import Acquisition, Reconstruction
 from franbv.adapters.arms.driver import ArmError
 from franbv.adapters.arms.opening import open_arm
 from franbv.adapters.camera_error import CameraError
+from franbv.adapters.first_fault import first_fault
 from franbv.adapters.live.by_hand import MANUAL, manual_arm
-from franbv.adapters.live.cell import CellError, RobotCell, read_cell
+from franbv.adapters.live.cell import CellError, RobotCell, read_cell, stated_in
 from franbv.adapters.live.confirming import Confirm
 from franbv.adapters.live.guard import Guard
 from franbv.adapters.live.guarded_arm import Beating, GuardedArm, RefusedError
@@ -24,7 +25,6 @@ from franbv.adapters.live.obstacles import AvoidsBoxes, cell_obstacles
 from franbv.adapters.live.opened_camera import OpenedCamera, open_camera
 from franbv.adapters.live.pulse import Pulse
 from franbv.adapters.live.resumed import CannotResumeError
-from franbv.adapters.live.stated import stated_in
 from franbv.adapters.live.switch import StoppedError, StopSwitch
 from franbv.adapters.recording.contents import Recording, RecordingError, RunFacts
 from franbv.adapters.recording.opening import record_extra
@@ -164,11 +164,7 @@ def _parameters(path: Path | None) -> Parameters:
     try:
         return Parameters.model_validate(stated_in(path))
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        place = ".".join(map(str, first["loc"])) or "parameters"
-        raise CellError(
-            f"{path}: {place}: {first['msg'].removeprefix('Value error, ')}; see franbv/parameters.py"
-        ) from None
+        raise CellError(f"{path}: {first_fault(error, 'parameters')}; see franbv/parameters.py") from None
 
 
 def _check_frame(cell: RobotCell, parameters: Parameters, path: Path) -> None:

@@ -1,11 +1,11 @@
 """Cameras by the name that a command line gives: a RealSense, or anybody's own."""
 
-import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from franbv.adapters.camera_error import CameraError
+from franbv.adapters.named_function import named_function
 from franbv.adapters.recording.contents import CameraFacts
 
 OWN_CAMERAS: Mapping[str, str] = {"realsense": "franbv.adapters.live.realsense_cell:open_realsense"}
@@ -37,11 +37,4 @@ def open_camera(kind: str, settings: Mapping[str, Any]) -> OpenedCamera:
 
     CameraError where there is no such camera.
     """
-    module, _, function = OWN_CAMERAS.get(kind, kind).partition(":")
-    if not function:
-        raise CameraError(f"camera {kind}: unknown; choose {', '.join(OWN_CAMERAS)} or package.module:function")
-    try:
-        make: Callable[..., OpenedCamera] = getattr(importlib.import_module(module), function)
-    except (ImportError, AttributeError) as error:
-        raise CameraError(f"camera {kind}: cannot be loaded ({error}); name a function that can be imported") from None
-    return make(settings)
+    return named_function("camera", kind, OWN_CAMERAS, ", ".join(OWN_CAMERAS), CameraError)(settings)

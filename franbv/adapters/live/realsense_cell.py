@@ -6,6 +6,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from franbv.adapters.camera_error import CameraError
+from franbv.adapters.first_fault import first_fault
 from franbv.adapters.live.opened_camera import OpenedCamera
 from franbv.adapters.realsense.camera import RealSenseCamera
 from franbv.adapters.realsense.settings import RealSenseSettings
@@ -20,9 +21,7 @@ def open_realsense(settings: Mapping[str, Any]) -> OpenedCamera:
     try:
         checked = RealSenseSettings.model_validate({"infrared": True, **settings})
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        place = ".".join(map(str, first["loc"])) or "settings"
-        raise CameraError(f"camera settings: {place}: {first['msg'].removeprefix('Value error, ')}") from None
+        raise CameraError(f"camera settings: {first_fault(error, 'settings')}") from None
     return opened_realsense(RealSenseCamera(checked))
 
 

@@ -6,9 +6,8 @@ import sys
 from pathlib import Path
 
 from franbv.adapters.arms.opening import open_arm
-from franbv.adapters.live.cell import CellError, read_cell
+from franbv.adapters.live.cell import CellError, read_cell, stated_in
 from franbv.adapters.live.opened_camera import OpenedCamera, open_camera
-from franbv.adapters.live.stated import stated_in
 from franbv.adapters.recording.contents import RunFacts
 from franbv.adapters.recording.messages import MOST_FRAMES
 from franbv.adapters.recording.opening import record_extra

@@ -1,7 +1,7 @@
 """A reconstruction on a real cell: recorded from the first burst on, taken up again where a recording of it ends."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -135,10 +135,8 @@ def last_recording(out: Path) -> Recording | None:
 
 def check_same_run(old: Recording, facts: RunFacts) -> None:
     """CannotResumeError where the recording is of another run than the one that shall go on."""
-    then = replace(old.run, sensor={}, versions={}, title="")
-    now = replace(facts, sensor={}, versions={}, title="")
     for name in ("planner", "parameters", "seed", "azimuth_deg", "ablation"):
-        if getattr(then, name) != getattr(now, name):
+        if getattr(old.run, name) != getattr(facts, name):
             raise CannotResumeError(
                 f"{old.path}: was begun with another {name.replace('_deg', '')}; give the same, or another folder"
             )

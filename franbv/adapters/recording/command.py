@@ -12,6 +12,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from franbv.adapters.first_fault import first_fault
 from franbv.adapters.recording.bags.choices import BagChoices
 from franbv.adapters.recording.contents import Recording, RecordingError
 from franbv.adapters.recording.decisions import decision_of
@@ -109,11 +110,8 @@ def recorded_parameters(recording: Recording) -> Parameters:
     try:
         return Parameters.model_validate(dict(recording.run.parameters))
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        place = ".".join(map(str, first["loc"])) or "parameters"
-        raise RecordingError(
-            f"{recording.path}: parameter {place}: {first['msg']}; read it with the version that wrote it"
-        ) from error
+        fault = first_fault(error, "parameters")
+        raise RecordingError(f"{recording.path}: parameter {fault}; read it with the version that wrote it") from error
 
 
 def replay_figures(found: Replay) -> dict[str, Any]:

@@ -74,7 +74,7 @@ def test_the_tool_without_simulator_and_studies():
     )
     assert done.stdout.split() == ["2", "2"], done.stderr
     first, second = done.stderr.splitlines()
-    assert first == "franbv run: none.yaml: cannot be read (No such file or directory); name the cell's YAML file"
+    assert first == "franbv run: none.yaml: cannot be read (No such file or directory); name a YAML file"
     assert re.fullmatch(r"franbv reconstruct: needs the package \w+; pip install 'franbv\[studies\]'", second)
 
 

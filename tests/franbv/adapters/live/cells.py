@@ -7,7 +7,8 @@ import numpy as np
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from franbv.adapters.arms.driver import ArmError, FlangePath
-from franbv.adapters.arms.straight import straight_path
+from franbv.adapters.arms.flange_poses import pose_distance
+from franbv.adapters.arms.straight import straight_poses
 from franbv.adapters.live.cell import RobotCell
 from franbv.adapters.live.guard import Guard
 from franbv.adapters.live.guarded_arm import GuardedArm
@@ -39,6 +40,12 @@ CELL = RobotCell.model_validate(
 HOME = look_at(np.array([-0.4, 0.0, 0.5]), np.array([0.0, 0.0, 0.05]))
 
 
+def straight_way(T_start: RigidTransform, T_goal: RigidTransform, speed: float) -> FlangePath:
+    """As an arm of this speed [m/s] would go that turns by 45 deg/s."""
+    way, turn = pose_distance(T_start, T_goal)
+    return FlangePath(straight_poses(T_start, T_goal), max(way / speed, turn / 45.0))
+
+
 @dataclass
 class ScriptedArm:
     """An `ArmDriver` that goes at once, along straight ways, and keeps all that it was sent."""
@@ -60,7 +67,7 @@ class ScriptedArm:
         return True
 
     def plan(self, T_base_flange: RigidTransform) -> FlangePath | None:
-        return self.bend(straight_path(self.flange, T_base_flange, 0.2, 45.0))
+        return self.bend(straight_way(self.flange, T_base_flange, 0.2))
 
     def execute(self, path: FlangePath, may_go_on: Callable[[], bool]) -> None:
         self.sent.append(path)

@@ -15,8 +15,7 @@ import numpy as np
 from scipy.spatial.transform import RigidTransform
 
 from franbv.adapters.arms.driver import ArmError, FlangePath
-from franbv.adapters.arms.straight import straight_path
-from tests.franbv.adapters.live.cells import CELL, HOME
+from tests.franbv.adapters.live.cells import CELL, HOME, straight_way
 
 
 class Controller:
@@ -81,7 +80,7 @@ class TcpArm:
         return True
 
     def plan(self, T_base_flange: RigidTransform) -> FlangePath | None:
-        return straight_path(self.flange_pose(), T_base_flange, self.speed, 45.0)
+        return straight_way(self.flange_pose(), T_base_flange, self.speed)
 
     def execute(self, path: FlangePath, may_go_on: Callable[[], bool]) -> None:
         self.ask(op="go", poses=[T.as_matrix().tolist() for T in path.poses], duration=path.duration_s)

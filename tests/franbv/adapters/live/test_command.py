@@ -80,7 +80,7 @@ def _pipe(text: str):
 
 
 BAD_CELLS = {
-    "no such file": (None, "cell.yaml: cannot be read (No such file or directory); name the cell's YAML file"),
+    "no such file": (None, "cell.yaml: cannot be read (No such file or directory); name a YAML file"),
     "no YAML": ("{", "cell.yaml: no YAML ("),
     "empty": ("", "cell.yaml: has no settings"),
     "a box upside down": (
@@ -130,10 +130,10 @@ def test_bad_cells_are_one_line(name, command, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"arm": "gofa"}, "arm gofa: unknown; choose one of ros, manual, or package.module:function"),
+        ({"arm": "gofa"}, "arm gofa: unknown; choose ros, manual, or package.module:function"),
         ({"arm": "nowhere:f"}, "arm nowhere:f: cannot be loaded"),
         ({"arm": "tests.conftest:absent"}, "arm tests.conftest:absent: cannot be loaded"),
-        ({"camera": "kinect"}, "camera kinect: unknown; choose realsense or package.module:function"),
+        ({"camera": "kinect"}, "camera kinect: unknown; choose realsense, or package.module:function"),
         ({"camera": "nowhere:f"}, "camera nowhere:f: cannot be loaded"),
         ({"seed": -1}, "--seed: give 0 or more"),
         ({"azimuth": 10.0, "parameters": "none.yaml"}, "none.yaml: cannot be read"),
