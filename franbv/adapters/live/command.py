@@ -8,6 +8,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from jaxtyping import UInt8
 from pydantic import ValidationError
 
 from franbv.acquisition import Acquisition, Reconstruction
@@ -28,6 +30,8 @@ from franbv.adapters.live.resumed import CannotResumeError
 from franbv.adapters.live.switch import StoppedError, StopSwitch
 from franbv.adapters.recording.contents import Recording, RecordingError, RunFacts
 from franbv.adapters.recording.opening import record_extra
+from franbv.adapters.view.opening import shown_live
+from franbv.adapters.view.sight import ViewSink
 from franbv.candidates import first_view
 from franbv.parameters import Parameters
 from franbv.planners import PLANNERS
@@ -54,6 +58,7 @@ def add_live_commands(commands: Any) -> None:
     moves = flags.add_mutually_exclusive_group()
     moves.add_argument("--move", action="store_true", help="show each motion, and make it when it is confirmed")
     moves.add_argument("--go", action="store_true", help="show each motion and make it; any key stops the arm")
+    flags.add_argument("--view", action="store_true", help="show the run in a browser while it lasts; extra: view")
     flags.add_argument("--json", action="store_true", help="print one JSON object as the last line of stdout")
 
 
@@ -66,14 +71,17 @@ def run_live(flags: argparse.Namespace) -> int:
     found = _last_recording(flags.out)
     if found is not None and found.stop is not None:
         return _finished(flags, f"{found.path}: this run is finished ({found.stop})", len(found.bursts), found.stop)
-    switch = StopSwitch()
-    with contextlib.ExitStack() as open_things, switch.at_signals():
+    switch, title, moves = StopSwitch(), f"{flags.planner}, {flags.cell.stem}", flags.move or flags.go
+    page = shown_live(
+        flags.view and moves, title, parameters.invalid_share, _warn
+    )  # ends last: the arm is closed by then
+    with page as view, contextlib.ExitStack() as open_things, switch.at_signals():
         opened = open_camera(flags.camera, stated_in(flags.camera_settings))
         open_things.callback(opened.close)
         arm = _opened_arm(flags, cell, parameters, opened, switch, open_things)
-        if not (flags.move or flags.go):
+        if not moves:
             return _dry_run(arm, parameters, flags)
-        ended = _reconstructed(flags, parameters, opened, arm)
+        ended = _reconstructed(flags, parameters, opened, arm, view)
     words = f"{flags.out}: {len(ended.acquisitions)} acquisitions, ended by {ended.stop}"
     return _finished(flags, words, len(ended.acquisitions), str(ended.stop))
 
@@ -103,7 +111,7 @@ def _opened_arm(
 
 
 def _reconstructed(
-    flags: argparse.Namespace, parameters: Parameters, opened: OpenedCamera, arm: GuardedArm
+    flags: argparse.Namespace, parameters: Parameters, opened: OpenedCamera, arm: GuardedArm, view: ViewSink | None
 ) -> Reconstruction:
     """The run, from where its last recording ends."""
     with record_extra():
@@ -117,9 +125,14 @@ def _reconstructed(
         sensor=dict(opened.settings),
         versions=_versions(),
     )
+
+    def show(acquisition: Acquisition, infrared: UInt8[np.ndarray, "h w"] | None) -> None:
+        if view is not None:
+            view.observe(acquisition, infrared=infrared)
+
     run = LiveRun(
         opened.camera, arm, PLANNERS[flags.planner].build(), parameters, facts, opened.facts, flags.out,
-        opened.infrared, opened.times_ns, _say_acquisition, _say,
+        opened.infrared, opened.times_ns, _say_acquisition, show, _say,
     )  # fmt: skip
     try:
         return run.go()
@@ -199,6 +212,11 @@ def _say_acquisition(a: Acquisition) -> None:
 def _ask(words: str) -> None:
     sys.stdout.write(words)
     sys.stdout.flush()
+
+
+def _warn(words: str) -> None:
+    sys.stderr.write(words + "\n")
+    sys.stderr.flush()
 
 
 def _say(words: str) -> None:

@@ -49,6 +49,8 @@ class LiveRun:
     """When its frames were taken [ns]."""
     observe: Callable[[Acquisition], None] = lambda acquisition: None
     """Called with each acquisition that is new."""
+    show: Callable[[Acquisition, UInt8[np.ndarray, "h w"] | None], None] = lambda acquisition, infrared: None
+    """Called once with each acquisition of the run, those of a recording that it goes on from too, and its image."""
     say: Callable[[str], None] = lambda words: None
 
     def go(self) -> Reconstruction:
@@ -56,14 +58,14 @@ class LiveRun:
 
         What ends it otherwise leaves a recording from which the next call goes on.
         """
-        for _ in range(MOST_REFUSALS):
+        for attempt in range(MOST_REFUSALS):
             try:
-                return self._on_from(last_recording(self.out))
+                return self._on_from(last_recording(self.out), attempt == 0)
             except RefusedError as refused:
                 self.say(f"{refused}; the planner chooses another pose")
         raise RefusedError(self.arm.refused[-1], f"{MOST_REFUSALS} motions were refused; check the cell's boxes")
 
-    def _on_from(self, old: Recording | None) -> Reconstruction:
+    def _on_from(self, old: Recording | None, show_old: bool) -> Reconstruction:
         camera: DepthCamera = StandingCamera(self.camera, self.arm.camera_pose)
         arm: Arm = self.arm
         if old is not None:
@@ -75,17 +77,20 @@ class LiveRun:
             camera = arm = ResumedCell(Tape(old), camera, arm)
         n_old = 0 if old is None else len(old.bursts)
 
+        def infrared(number: int) -> UInt8[np.ndarray, "h w"] | None:
+            return self.infrared() if old is None or number >= n_old else old.bursts[number].read_infrared()
+
         def seen(acquisition: Acquisition) -> None:
             watch.observe(acquisition)
             if acquisition.index >= n_old:
                 self.observe(acquisition)
+            if acquisition.index >= n_old or show_old:
+                self.show(acquisition, infrared(acquisition.index))
 
         with RecordingWriter(next_file(self.out), self.facts, self.camera_facts) as writer:
             watch = Watch(
                 writer,
-                lambda number: (
-                    self.infrared() if old is None or number >= n_old else old.bursts[number].read_infrared()
-                ),
+                infrared,
                 lambda number: self.times_ns() if old is None or number >= n_old else old.bursts[number].times_ns,
             )
             seen_by = watch.camera(camera), watch.arm(arm), self.planner, self.parameters

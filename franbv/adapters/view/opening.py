@@ -6,6 +6,7 @@ with rrd_file(path, "Part D", parameters.invalid_share) as view:
 
 import contextlib
 import os
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -83,6 +84,23 @@ def live_page(title: str, invalid_share: float, say: Callable[[str], None]) -> I
             yield view
         finally:
             page.hand_over(stream)
+
+
+@contextlib.contextmanager
+def shown_live(wanted: bool, title: str, invalid_share: float, say: Callable[[str], None]) -> Iterator[ViewSink | None]:
+    """What shows a run on a page, for a command; None where none is wanted. What people must know goes to `say`.
+
+    The page lasts as long as the block. At its end it stays for whoever sits before it, until Enter is pressed: a
+    replay is over before a browser has opened. Where nobody can press it, it ends.
+    """
+    if not wanted:
+        yield None
+        return
+    with live_page(title, invalid_share, lambda url: say(f"Watch it at {url}")) as view:
+        yield view
+        if sys.stdin.isatty():
+            say("The page stays until Enter is pressed.")
+            sys.stdin.readline()
 
 
 def _stream(title: str) -> Any:

@@ -14,13 +14,13 @@ import pytest
 
 from franbv.acquisition import Acquisition
 from franbv.adapters.recording.contents import CameraFacts
+from franbv.adapters.view import opening
 from franbv.adapters.view.opening import rrd_file
 from franbv.adapters.view.sight import ViewError
 from materials.input_error import InputError
 from studies.base.case_folder import case_digest
 from studies.cli.main import main
 from studies.cli.reconstruct import ReconstructCommand, check_starts, check_watchable
-from studies.run import viewing
 from studies.run.acquisition_table import ACQUISITION_COLUMNS
 from studies.run.bursts import KeptCaptures
 from studies.run.reconstruct import ReconstructSettings
@@ -221,7 +221,7 @@ def live_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         with rrd_file(path, title, invalid_share) as view:
             yield view
 
-    monkeypatch.setattr(viewing, "live_page", page)
+    monkeypatch.setattr(opening, "live_page", page)
     return path
 
 
@@ -275,7 +275,7 @@ def test_a_missing_package_is_one_line(
     def missing(*_: object) -> None:
         raise ViewError("views need the package rerun-sdk; pip install 'franbv[view]'")
 
-    monkeypatch.setattr(viewing, "live_page", missing)
+    monkeypatch.setattr(opening, "live_page", missing)
     assert main(["replay", str(shown.recording), "--out", str(tmp_path / "out"), "--view"]) == 2
     assert capsys.readouterr().err == ("franbv replay: views need the package rerun-sdk; pip install 'franbv[view]'\n")
     assert not (tmp_path / "out").exists()

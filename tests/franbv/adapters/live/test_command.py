@@ -1,5 +1,6 @@
 """`run` and `record` in this process, on an arm that goes at once; what a person sees and what is refused."""
 
+import contextlib
 import io
 import json
 import os
@@ -10,6 +11,7 @@ import yaml
 
 from franbv.adapters.__main__ import run
 from franbv.adapters.recording.mcap_recording import read_recording
+from franbv.adapters.view import opening
 from tests.franbv.adapters.live.cells import CELL
 from tests.franbv.adapters.live.controllers import CAMERA
 from tests.franbv.adapters.recording.recorded_run import PARAMETERS
@@ -46,6 +48,34 @@ def test_a_whole_run(command, tmp_path, capsys):
     assert run(["run", *command(), "--go"]) == 0
     assert "this run is finished (max_iterations)" in capsys.readouterr().out
     assert [path.name for path in (tmp_path / "run").iterdir()] == ["recording-1.mcap"]
+
+
+def test_a_run_is_shown_while_it_lasts(command, tmp_path, capsys, monkeypatch):
+    """Every acquisition is drawn at its step; the address goes to stderr. A dry run has nothing to show."""
+    pytest.importorskip("rerun")
+    from tests.franbv.adapters.view.rrd_reading import counts, drawn
+
+    @contextlib.contextmanager
+    def page(title, invalid_share, say):
+        say("http://127.0.0.1:1/")
+        with opening.rrd_file(tmp_path / "page.rrd", title, invalid_share) as view:
+            yield view
+
+    monkeypatch.setattr(opening, "live_page", page)
+    assert run(["run", *command(), "--view"]) == 0
+    assert not (tmp_path / "page.rrd").exists()
+    assert run(["run", *command(), "--view", "--go"]) == 0
+    assert "Watch it at http://127.0.0.1:1/\n" in capsys.readouterr().err
+    taken = len(read_recording(tmp_path / "run" / "recording-1.mcap").bursts)
+    assert counts(drawn(tmp_path / "page.rrd"), "/world/camera:Transform3D:translation") == [1] * taken
+
+
+def test_a_missing_viewer_is_said_before_anything_moves(command, tmp_path, capsys, monkeypatch):
+    """In one line with the mend, exit 2."""
+    monkeypatch.setitem(sys.modules, "rerun", None)
+    assert run(["run", *command(), "--view", "--go"]) == 2
+    assert "views need the package rerun-sdk; pip install 'franbv[view]'\n" in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
 
 
 def test_a_dry_run(command, tmp_path, capsys):

@@ -72,11 +72,13 @@ def test_what_was_stopped_goes_on(at, whole, tmp_path):
     recording = last_recording(tmp_path)
     assert recording is not None
     assert (len(recording.bursts), recording.stop) == (at, None)
-    seen = []
+    seen, shown = [], []
     driver = ScriptedArm(flange=stopped.arm.driver.flange)
-    again = a_run(tmp_path, driver, first=at, observe=lambda a: seen.append(a.index)).go()
+    watched = {"observe": lambda a: seen.append(a.index), "show": lambda a, infrared: shown.append(a.index)}
+    again = a_run(tmp_path, driver, first=at, **watched).go()
     assert first_difference(decisions(run), decisions(again)) is None
     assert seen == list(range(at, len(run.acquisitions)))
+    assert shown == list(range(len(run.acquisitions)))
     last = last_recording(tmp_path)
     assert last is not None
     assert (len(last.bursts), last.stop) == (len(run.acquisitions), str(run.stop))
@@ -106,9 +108,10 @@ def test_a_refused_motion_makes_the_planner_choose_another(tmp_path):
     """A person says no to the second motion: that pose is not taken, the run ends well, and so does its replay."""
     answers = iter([True, False])
     arm = guarded(ScriptedArm(), may_move=lambda motion: next(answers, True))
-    said = []
-    run = a_run(tmp_path, arm=arm, say=said.append)
+    said, shown = [], []
+    run = a_run(tmp_path, arm=arm, say=said.append, show=lambda a, infrared: shown.append(a.index))
     ended = run.go()
+    assert shown == list(range(len(ended.acquisitions)))
     assert any("was not confirmed; the planner chooses another pose" in words for words in said)
     refused = arm.refused[0]
     taken = [a.burst.T_world_cam for a in ended.acquisitions]
