@@ -21,7 +21,7 @@ from mapie.risk_control import BinaryClassificationController, BinaryRisk
 from mapie.risk_control.methods import compute_hoeffding_bentkus_p_value
 from scipy.optimize import root_scalar
 
-Exceeded = Mapping[str, Float[np.ndarray, "n k"]]
+Exceeded = Mapping[str, Float[np.ndarray, "_ k"]]
 """By risk: 1 where a draw exceeds what is borne, 0 where it does not, NaN where the draw says nothing of the risk. The
 number of draws may differ from risk to risk; NaN must not depend on the setting."""
 
@@ -39,13 +39,12 @@ def certified(learn: Exceeded, test: Exceeded, levels: Mapping[str, float], conf
     alone = len(risks) == 1
     rows = [_rows(exceeded, names) for exceeded in (learn, test)]
 
-    def outcome(of: Int[np.ndarray, "n 2"], setting: np.integer) -> Int[np.ndarray, "n"]:
-        which, row = of.T
-        return rows[which[0]].exceeds[row, setting].astype(int)
+    def outcome(of: Any, *setting: Any) -> Any:  # MAPIE asks for each setting by its number
+        which, row = np.asarray(of).T
+        return rows[which[0]].exceeds[row, int(setting[0])].astype(int)
 
-    predict: Any = outcome  # MAPIE passes the setting as a further argument, which its annotation has not
     controller = BinaryClassificationController(
-        predict,
+        outcome,
         risks[0] if alone else risks,
         float(levels[names[0]]) if alone else [float(levels[name]) for name in names],
         confidence,
