@@ -30,6 +30,10 @@ COMMANDS = {
         "studies.readings.command",
         "Which reading of what the paper's text leaves open makes its table.",
     ),
+    "study thresholds": (
+        "studies.thresholds.command",
+        "Which thresholds are safe for declared parts, with which confidence.",
+    ),
     "run": ("studies.cli.robot:run", "Reconstruct with a real camera on a real arm; a dry run unless told to move."),
     "record": ("studies.cli.robot:record", "Take bursts of a real camera by hand; nothing is moved."),
     "cameras": ("studies.cli.robot:cameras", "List the RealSense cameras that are plugged in."),
