@@ -1,7 +1,8 @@
 """The bank of views: each drawn once, rendered once, labelled once, and kept with all that scoring it anew needs.
 
 `bank/<name>/views/000123.npz` holds the burst and the truth of view 123 of a domain; the name is the domain's, so that
-another domain begins a bank of its own and other risks or settings use the one that is there.
+another domain begins a bank of its own and other risks or settings use the one that is there. Views of the same draws
+under a mismatch (`studies.thresholds.stress`) stand in a folder beside `views` that has the mismatch's name.
 """
 
 import json
@@ -15,7 +16,7 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
 from franbv.sensing import DepthBurst, median_depth
-from render.d435i import SimulatedD435i
+from render.d435i import SensorSettings, SimulatedD435i
 from render.labels.causes import is_of
 from render.labels.labels import label_frame
 from render.labels.outcome import INVALID_SHARE, blocks, is_false_depth, perfect_blocks
@@ -28,6 +29,7 @@ from studies.run.scene_settings import build_subject, resolved
 from studies.store.views import camera_vector, read_arrays, write_arrays
 from studies.thresholds.config import Domain
 from studies.thresholds.draw import ViewDraw, subject_settings, view_draw, view_pose
+from studies.thresholds.stress import stress_of
 
 BANK, VIEWS = "bank", "views"
 """Folders of the banks in a study's, and of the views in a bank's."""
@@ -90,11 +92,18 @@ class ViewTask:
     """Of the bank."""
     settings: BankSettings
     number: int
+    stress: str = ""
+    """Name of a mismatch; empty = none."""
 
     @property
     def title(self) -> str:
         """For people, short enough for a progress display."""
-        return f"view {self.number}"
+        return f"view {self.number}" + (f", {self.stress}" if self.stress else "")
+
+    @property
+    def file(self) -> Path:
+        """Of the view."""
+        return view_file(self.folder, self.number, self.stress)
 
 
 def bank_folder(out: Path, settings: BankSettings) -> Path:
@@ -102,31 +111,36 @@ def bank_folder(out: Path, settings: BankSettings) -> Path:
     return out / BANK / settings.name
 
 
-def view_file(folder: Path, number: int) -> Path:
+def view_file(folder: Path, number: int, stress: str = "") -> Path:
     """Of one view in a bank."""
-    return folder / VIEWS / f"{number:06d}.npz"
+    return folder / (stress or VIEWS) / f"{number:06d}.npz"
 
 
-def do_view(task: ViewTask) -> None:
-    """For a worker: draw, render, label and keep the view, unless it is there."""
-    path = view_file(task.folder, task.number)
-    if path.exists():
-        return
-    draw = view_draw(task.settings.domain, task.settings.seed, task.number)
-    subject = subject_settings(task.settings.domain, draw)
-    view = banked_view(draw, build_subject(subject).scene, task.settings)
+def do_view(task: ViewTask) -> bool:
+    """For a worker: draw, render, label and keep the view, unless it is there; False where the mismatch changes nothing
+    of what was drawn, so that there is no such view."""
+    if task.file.exists():
+        return True
+    domain, stress = task.settings.domain, stress_of(task.stress)
+    draw = view_draw(domain, task.settings.seed, task.number)
+    scene = build_subject(subject_settings(domain, draw)).scene
+    if not stress.applies(scene):
+        return False
+    view = banked_view(draw, stress.scene(scene), stress.sensor(domain.sensor), task.settings.n_frames)
     facts = np.frombuffer(json.dumps(draw.model_dump(mode="json")).encode(), np.uint8)
-    task.folder.joinpath(VIEWS).mkdir(parents=True, exist_ok=True)
-    write_arrays(path, {field.name: np.asarray(getattr(view, field.name)) for field in fields(view)} | {"draw": facts})
+    task.file.parent.mkdir(parents=True, exist_ok=True)
+    write_arrays(
+        task.file, {field.name: np.asarray(getattr(view, field.name)) for field in fields(view)} | {"draw": facts}
+    )
+    return True
 
 
-def banked_view(draw: ViewDraw, scene: Scene, settings: BankSettings) -> BankedView:
+def banked_view(draw: ViewDraw, scene: Scene, sensor: SensorSettings, n_frames: int) -> BankedView:
     """Render and label one view of a scene."""
-    sensor = settings.domain.sensor
     camera = SimulatedD435i(scene, sensor, draw.seed, SAMPLING)
     pose = view_pose(draw, scene, sensor.mount_roll_deg)
     truth = camera.truth(pose)
-    measurement = camera.expose(pose, *camera.render(pose), settings.n_frames)
+    measurement = camera.expose(pose, *camera.render(pose), n_frames)
     labels = label_frame(camera, pose, measurement, truth=truth)
     return BankedView(
         measurement.burst.depths,
@@ -139,9 +153,9 @@ def banked_view(draw: ViewDraw, scene: Scene, settings: BankSettings) -> BankedV
     )
 
 
-def read_view(folder: Path, number: int) -> tuple[ViewDraw, BankedView]:
+def read_view(task: ViewTask) -> tuple[ViewDraw, BankedView]:
     """One view of a bank, and what was drawn for it."""
-    arrays = read_arrays(view_file(folder, number))
+    arrays = read_arrays(task.file)
     draw = ViewDraw(**json.loads(arrays.pop("draw").tobytes()))
     return draw, BankedView(**arrays)
 

@@ -15,7 +15,9 @@ from studies.base.console import strict_json
 from studies.thresholds.choose import Choice, Repetitions, exceeded
 from studies.thresholds.config import RISK_MEANINGS, VIEW_RISKS, Bearable
 from studies.thresholds.draw import run_draw, view_draw
-from studies.thresholds.study import Evidence, Study
+from studies.thresholds.score import read_scores
+from studies.thresholds.stress import STRESSES
+from studies.thresholds.study import Evidence, Setting, Study
 
 CERTIFICATE, SETTINGS_FILE = "certificate.json", "thresholds.yaml"
 """What a study leaves for programs, and for the other commands."""
@@ -59,6 +61,46 @@ class Combination:
         return tuple(p.risk for p in self.promises if lower_share(p.exceeding, p.draws) > p.level)
 
 
+@dataclass(frozen=True)
+class Stressed:
+    """What the shown setting does under a mismatch."""
+
+    name: str
+    words: str
+    promises: tuple[Promise, ...]
+    """By the draws that the mismatch changes."""
+
+    @property
+    def verdict(self) -> str:
+        """`breaks`: a level is exceeded beyond doubt; `holds`: none is, beyond doubt; else `not told`."""
+        if any(lower_share(p.exceeding, p.draws) > p.level for p in self.promises):
+            return "breaks"
+        holds = all(upper_share(p.exceeding, p.draws) <= p.level for p in self.promises)
+        return "holds" if holds else "not told"
+
+
+def upper_share(exceeding: int, draws: int) -> float:
+    """Upper end of the one-sided Clopper-Pearson interval of a share; 1 of too few draws."""
+    if draws < FEWEST_IN_CELL:
+        return 1.0
+    return float(binomtest(exceeding, draws, alternative="less").proportion_ci(CELL_CONFIDENCE, "exact").high)
+
+
+def stressed(study: Study, setting: Setting) -> tuple[Stressed, ...]:
+    """Of every mismatch whose views are finished."""
+    risks = {name: study.preset.risks[name] for name in study.preset.view_risks}
+    rows = []
+    for name, tasks in study.stress_tasks(setting).items():
+        found = [read_scores(task) for task in tasks if task.file.exists()]
+        if found:
+            numbers = {risk: np.stack(found)[:, :, VIEW_RISKS.index(risk)] for risk in risks}
+            flags = exceeded(numbers, risks)
+            rows.append(
+                Stressed(name, STRESSES[name].words, tuple(promise(r, risks[r], flags[r][:, 0]) for r in risks))
+            )
+    return tuple(rows)
+
+
 def lower_share(exceeding: int, draws: int) -> float:
     """Lower end of the one-sided Clopper-Pearson interval of a share; 0 of too few draws."""
     if draws < FEWEST_IN_CELL:
@@ -78,6 +120,7 @@ class Certificate:
     promises: tuple[Promise, ...]
     """Of the chosen setting, or of the most promising one where none is certified."""
     combinations: tuple[Combination, ...]
+    stresses: tuple[Stressed, ...]
     shown: int
     """Number of the setting that promises and combinations are of."""
 
@@ -87,14 +130,28 @@ class Certificate:
         return self.choice.chosen is not None
 
 
+def shown_setting(study: Study, evidence: Evidence, choice: Choice) -> int:
+    """The chosen setting; where none is certified, the one that comes nearest."""
+    risks = study.preset.risks
+    return nearest(exceeded(evidence.scores, risks), risks) if choice.chosen is None else choice.chosen
+
+
 def certificate_of(study: Study, evidence: Evidence, choice: Choice, repetitions: Repetitions) -> Certificate:
     """Gather it."""
-    risks = study.preset.risks
+    risks, shown = study.preset.risks, shown_setting(study, evidence, choice)
     flags = exceeded(evidence.scores, risks)
-    shown = choice.chosen if choice.chosen is not None else nearest(flags, risks)
     tested = {name: flags[name][study.dealt(len(flags[name]))[1], shown] for name in risks}
     promises = tuple(promise(name, risks[name], tested[name]) for name in risks)
-    return Certificate(study, evidence, choice, repetitions, promises, combinations(study, flags, shown), shown)
+    return Certificate(
+        study,
+        evidence,
+        choice,
+        repetitions,
+        promises,
+        combinations(study, flags, shown),
+        stressed(study, evidence.settings[shown]),
+        shown,
+    )
 
 
 def nearest(flags: Mapping[str, Float[np.ndarray, "_ k"]], risks: Mapping[str, Bearable]) -> int:
@@ -167,6 +224,11 @@ def certificate_json(certificate: Certificate) -> dict[str, Any]:
             {"part": c.part, "material": c.material, "lamps": c.lamps, "broken": list(c.broken),
              "exceeding": {p.risk: [p.exceeding, p.draws] for p in c.promises}}
             for c in certificate.combinations
+        ],
+        "stresses": [
+            {"name": s.name, "words": s.words, "verdict": s.verdict,
+             "exceeding": {p.risk: [p.exceeding, p.draws] for p in s.promises}}
+            for s in certificate.stresses
         ],
         "repetitions": vars(certificate.repetitions),
         "domain": preset.domain.model_dump(mode="json"),

@@ -25,6 +25,7 @@ from studies.thresholds.certificate import (
     Certificate,
     certificate_of,
     promise_lines,
+    shown_setting,
     write_certificate,
     write_settings,
 )
@@ -83,6 +84,7 @@ def run(args: list[str]) -> int:
         write_atomically(command.out / STUDY, strict_json(stored, indent=1).encode())
         clock = StudyClock.started(command.out, command.out / BANK, stored_outcome(command.out / SUMMARY).wall_s)
         failures = draw_all(study, executor)
+        failures = failures or draw_stressed(study, executor)
     certificate, summary = evaluate(study, failures, clock.elapsed_s())
     clock.stop()
     say("\n".join([*sentences(certificate), f"Certificate: {command.out / PAGE}"]))
@@ -126,6 +128,16 @@ def draw_all(study: Study, executor: Executor) -> list[Failure]:
     runs = study.run_tasks(study.settings(study.view_scores()))
     waiting = [Job(task.title, do_run, task) for task in runs if task.case is None]
     return executor.run([waiting], len(runs) - len(waiting), tell)
+
+
+def draw_stressed(study: Study, executor: Executor) -> list[Failure]:
+    """The chosen setting under every mismatch."""
+    views = study.view_scores()
+    evidence = study.evidence(views, study.settings(views))
+    shown = shown_setting(study, evidence, chosen_of(study, evidence))
+    tasks = [task for row in study.stress_tasks(evidence.settings[shown]).values() for task in row]
+    missing = [Job(task.view.title, do_score, task) for task in tasks if not task.file.exists()]
+    return executor.run([missing], len(tasks) - len(missing), reasons_once(_PROGRAM)) if missing else []
 
 
 def evaluate(study: Study, failures: list[Failure], wall_s: float) -> tuple[Certificate, dict[str, Any]]:

@@ -100,6 +100,8 @@ class Budget(Config):
     """Settings that are taken that far: the best by the views that the order is learned on."""
     learn_share: Annotated[float, Field(gt=0, lt=1)] = 0.35
     """Share of the draws on which the order of the settings is learned; the rest certifies."""
+    stress_views: Annotated[int, Field(ge=0)] = 40
+    """Views under each mismatch between the declared cell and a real one; 0 = no such table."""
     repetitions: Annotated[int, Field(ge=0)] = 200
     """Times that the whole choice is repeated on other splits of the same draws, to count how often it is wrong."""
 

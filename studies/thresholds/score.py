@@ -54,7 +54,7 @@ class ScoreTask:
     @property
     def file(self) -> Path:
         """Of the scores."""
-        return self.view.folder / SCORES / self.grid.name / f"{self.view.number:06d}.npz"
+        return self.view.folder / SCORES / self.view.stress / self.grid.name / f"{self.view.number:06d}.npz"
 
 
 def settings_of(preset: ThresholdsPreset, names: Sequence[str]) -> list[dict[str, Any]]:
@@ -75,13 +75,15 @@ def view_grid(preset: ThresholdsPreset) -> Grid:
 
 
 def do_score(task: ScoreTask) -> None:
-    """For a worker: the view drawn and scored, unless it is."""
+    """For a worker: the view drawn and scored, unless it is; NaN where there is no such view."""
     if task.file.exists():
         return
-    do_view(task.view)
-    draw, view = read_view(task.view.folder, task.view.number)
+    found = np.full((len(task.grid.settings), len(VIEW_RISKS)), np.nan)
+    if do_view(task.view):
+        draw, view = read_view(task.view)
+        found = scored(view, task.grid.settings, draw.seed)
     task.file.parent.mkdir(parents=True, exist_ok=True)
-    write_arrays(task.file, {"scores": scored(view, task.grid.settings, draw.seed)})
+    write_arrays(task.file, {"scores": found})
 
 
 def read_scores(task: ScoreTask) -> Float[np.ndarray, "k 3"]:

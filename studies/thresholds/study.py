@@ -22,6 +22,7 @@ from studies.thresholds.choose import (
 from studies.thresholds.config import RESCORED, RUN_RISKS, VIEW_RISKS, Bearable, ThresholdsPreset
 from studies.thresholds.reconstructions import RunTask, run_scores, run_task
 from studies.thresholds.score import Grid, ScoreTask, read_scores, settings_of, view_grid, with_setting
+from studies.thresholds.stress import STRESSES
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +67,13 @@ class Study:
         """All views of the budget."""
         folder = bank_folder(self.out, self.bank)
         return [ScoreTask(ViewTask(folder, self.bank, k), self.grid) for k in range(self.preset.budget.views)]
+
+    def stress_tasks(self, setting: Setting) -> dict[str, list[ScoreTask]]:
+        """The first views of the budget under each mismatch, scored with one setting."""
+        folder, grid = bank_folder(self.out, self.bank), Grid(settings=(setting.parameters,))
+        numbers = range(min(self.preset.budget.stress_views, self.preset.budget.views))
+        names = STRESSES if self.preset.view_risks and len(numbers) else ()
+        return {name: [ScoreTask(ViewTask(folder, self.bank, k, name), grid) for k in numbers] for name in names}
 
     def view_scores(self) -> dict[str, Float[np.ndarray, "_ k"]]:
         """Of the finished views, by risk and setting of the grid."""

@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from studies.drawing.templates import environment, page_style
 from studies.run.report.page import flattened
-from studies.thresholds.certificate import FEWEST_IN_CELL, Certificate, Combination, means
+from studies.thresholds.certificate import FEWEST_IN_CELL, Certificate, Combination, Promise, means
 from studies.thresholds.choose import exceeded
 from studies.thresholds.config import RISK_MEANINGS, RUN_RISKS, VIEW_RISKS, Bearable
 from studies.thresholds.report.tradeoff_figure import Dot, tradeoff_figure
@@ -36,6 +36,9 @@ def certificate_html(certificate: Certificate, failures: Sequence[Failure]) -> s
             + list(flattened({"sensor": preset.domain.sensor.model_dump(mode="json", exclude_defaults=True)})),
             fewest=FEWEST_IN_CELL,
             combinations=[combination_row(c) for c in certificate.combinations],
+            stresses=[
+                {"words": s.words, "verdict": s.verdict, "shares": shares(s.promises)} for s in certificate.stresses
+            ],
             charts=charts(certificate),
             learned=len(study.dealt(views)[0]),
             prefer=spoken(preset.prefer),
@@ -53,16 +56,28 @@ def spoken(name: str) -> str:
     return name.replace("_", " ")
 
 
-def promise_row(p: Any) -> dict[str, Any]:
+def promise_row(p: Promise) -> dict[str, Any]:
     """Of the table of the guarantee."""
     unit = "views" if p.risk in VIEW_RISKS else "reconstructions"
-    return {**vars(p), "most": f"{p.most:g}", "name": spoken(p.risk), "meaning": RISK_MEANINGS[p.risk], "unit": unit}
+    return {
+        **vars(p),
+        "most": f"{p.most:g}",
+        "name": spoken(p.risk),
+        "meaning": RISK_MEANINGS[p.risk],
+        "unit": unit,
+        "of_views": p.risk in VIEW_RISKS,
+    }
 
 
 def combination_row(c: Combination) -> dict[str, Any]:
     """Of the table of combinations."""
-    shares = [f"{p.exceeding} of {p.draws}" if p.draws else "none says anything" for p in c.promises]
-    return {"part": c.part, "material": c.material, "lamps": c.lamps, "broken": c.broken, "shares": shares}
+    where = {"part": c.part, "material": c.material, "lamps": c.lamps}
+    return {**where, "broken": c.broken, "shares": shares(c.promises)}
+
+
+def shares(promises: Sequence[Promise]) -> list[str]:
+    """How many draws exceed, risk by risk."""
+    return [f"{p.exceeding} of {p.draws}" if p.draws else "none says anything" for p in promises]
 
 
 def charts(certificate: Certificate) -> list[tuple[str, Markup]]:
