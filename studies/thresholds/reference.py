@@ -80,8 +80,8 @@ def said_of(run: Observed, name: SignalName, limit: float) -> bool | None:
     """
     number = NUMBERS[name](run)
     if name == "recovery_without_gain":
-        return None if run.recoveries is None else number is not None and number <= limit
-    return None if number is None else number > limit
+        return None if run.recoveries is None else number is not None and bool(number <= limit)
+    return None if number is None else bool(number > limit)
 
 
 def answers_of(runs: Sequence[Observed], name: SignalName, limit: float) -> tuple[tuple[bool, ...], tuple[int, ...]]:

@@ -44,7 +44,7 @@ class Observed:
     """Share of the object's silhouette in the first burst, I_o with that burst in the map, that is frequently invalid,
     eq. (7) [-]. None for planners without a silhouette."""
     burst_spread: float | None
-    """Of the first burst, as `spread_of` has it [1/m]; None where its frames were not kept."""
+    """Of the first burst, as `depth_spread` has it [1/m]; None where its frames were not kept."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class RecoveryStep:
     """After it, where it was taken for one [-]."""
 
 
-def spread_of(depths: Float[np.ndarray, "n h w"]) -> float | None:
+def depth_spread(depths: Float[np.ndarray, "n h w"]) -> float | None:
     """Median over the pixels that are valid in all frames of their standard deviation over the frames divided by the
     square of their mean depth [1/m]; None for one frame alone, and where no pixel is valid in all of them.
 
@@ -102,7 +102,7 @@ def observed_in(acquisitions: Sequence[Acquisition], parameters: Parameters, sto
     steps = [RecoveryStep(a.kind == RECOVERY, a.activates, a.gamma) for a in acquisitions]
     detects = first.detection is not None
     share = _share_of(first.burst, first.model.ellipsoids, parameters, detects)
-    return _observed(steps, detects and _is_end(stop), share, spread_of(first.burst.depths))
+    return _observed(steps, detects and _is_end(stop), share, depth_spread(first.burst.depths))
 
 
 def observed_of_stored(stored: StoredRun) -> Observed:
@@ -113,7 +113,7 @@ def observed_of_stored(stored: StoredRun) -> Observed:
     view, depths = stored.view(0), stored.depths(0)
     share = share_in(view.silhouette, view.invalid, detects)
     ended = _is_end(stored.run["summary"].get("stop"))
-    return _observed(steps, detects and ended, share, None if depths is None else spread_of(depths))
+    return _observed(steps, detects and ended, share, None if depths is None else depth_spread(depths))
 
 
 def observed_of_recording(recording: Recording) -> Observed:
@@ -139,7 +139,7 @@ def observed_of_recording(recording: Recording) -> Observed:
         RecoveryStep(said["kind"] == RECOVERY, bool((said["recovery"] or {}).get("poses")), said["gamma"])
         for said in recording.decisions
     ]
-    return _observed(steps, detects and _is_end(recording.stop), share, spread_of(burst.depths))
+    return _observed(steps, detects and _is_end(recording.stop), share, depth_spread(burst.depths))
 
 
 def _share_of(burst: DepthBurst, ellipsoids: Ellipsoids, parameters: Parameters, detects: bool) -> float | None:

@@ -21,7 +21,7 @@ from studies.thresholds.signals import Observed, observed_of_recording, observed
 
 RECORDED = ".mcap"
 REPLAYED = "replay"
-"""`command` of a case that is no run of its own."""
+"""`command` of a case that is no run of its own: `studies.run.replayed.REPLAY_COMMAND`, which comes with a renderer."""
 
 
 @dataclass(frozen=True)

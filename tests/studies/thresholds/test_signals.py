@@ -20,25 +20,19 @@ from studies.store.views import read_arrays
 from studies.thresholds.signals import (
     Observed,
     RecoveryStep,
+    depth_spread,
     last_gammas,
     observed_in,
     observed_of_recording,
     observed_of_stored,
     share_in,
-    spread_of,
 )
 from studies.thresholds.watched_runs import watched_runs
 from tests.studies.run.analytic_ball import CAMERA
-from tests.studies.thresholds.ball_runs import SHORT, BallRun, ball_run, noisy_copy
+from tests.studies.thresholds.ball_runs import SHORT, BallRun, noisy_copy
 
 SPREAD = 1e-3
 """Standard deviation over Z^2 of the bursts below [1/m]: 0.25 mm at half a metre."""
-
-
-@pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> BallRun:
-    """A run with a recovery."""
-    return ball_run(tmp_path_factory.mktemp("ball"))
 
 
 def two_frames(z: np.ndarray, off: np.ndarray) -> np.ndarray:
@@ -51,25 +45,25 @@ def test_the_spread_of_two_frames():
     however far it is. A pixel that is invalid in one frame is not asked."""
     z = np.array([[0.3, 0.5, 0.8, 1.3]])
     depths = two_frames(z, SPREAD * z**2)
-    assert spread_of(depths) == pytest.approx(np.sqrt(2) * SPREAD, rel=1e-12)
+    assert depth_spread(depths) == pytest.approx(np.sqrt(2) * SPREAD, rel=1e-12)
     depths[1, 0, 0] = 0
-    assert spread_of(depths) == pytest.approx(np.sqrt(2) * SPREAD, rel=1e-12)
+    assert depth_spread(depths) == pytest.approx(np.sqrt(2) * SPREAD, rel=1e-12)
     other = two_frames(z, np.array([[1.0, 2.0, 4.0, 50.0]]) * SPREAD * z**2)
-    assert spread_of(other) == pytest.approx(3 * np.sqrt(2) * SPREAD, rel=1e-12)  # the median of 1, 2, 4, 50
+    assert depth_spread(other) == pytest.approx(3 * np.sqrt(2) * SPREAD, rel=1e-12)  # the median of 1, 2, 4, 50
 
 
 def test_the_spread_of_stereo_noise_is_that_of_its_law():
     """Normal noise: the median of a standard deviation of n values is sigma sqrt(median of chi^2 / (n - 1))."""
     rng, n = np.random.default_rng(0), 5
     z = rng.uniform(0.3, 1.2, (100, 100))
-    found = spread_of(z + rng.normal(size=(n, 100, 100)) * SPREAD * z**2)
+    found = depth_spread(z + rng.normal(size=(n, 100, 100)) * SPREAD * z**2)
     assert found == pytest.approx(SPREAD * np.sqrt(chi2.median(n - 1) / (n - 1)), rel=0.02)  # 10^4 pixels: 0.5 %
 
 
 def test_bursts_that_say_nothing_of_spread():
     """One frame, and frames of which every pixel is invalid once."""
-    assert spread_of(np.ones((1, 2, 2))) is None
-    assert spread_of(np.eye(2)[:, :, None]) is None
+    assert depth_spread(np.ones((1, 2, 2))) is None
+    assert depth_spread(np.eye(2)[:, :, None]) is None
 
 
 def test_the_share_of_a_silhouette():
@@ -104,7 +98,7 @@ def test_all_ways_of_keeping_a_run_say_the_same(run: BallRun):
     assert found == observed_of_recording(open_recording(run.recording))
     assert found == observed_in(run.seen, SHORT.parameters, StopReason(stored.run["summary"]["stop"]))
     gammas = [row["gamma"] for row in stored.rows]
-    ends = [k for k, gamma in enumerate(gammas) if gamma is not None and (gammas + [None])[k + 1] is None]
+    ends = [k for k, gamma in enumerate(gammas) if gamma is not None and [*gammas, None][k + 1] is None]
     assert found.recoveries == len(ends) == stored.run["summary"]["recovery_activations"] > 0
     assert found.least_gain == min(gammas[k] for k in ends)
     first = stored.view(0)
@@ -181,7 +175,7 @@ def test_what_no_planner_recorded_is_refused(run: BallRun, tmp_path: Path):
 
 
 def test_a_run_counts_once(run: BallRun, tmp_path: Path):
-    """Folder, recording, a copy of either, the recording of its beginning: one run, and the one that says most of it."""
+    """Folder, recording, a copy of either, the recording of its beginning: one run, told by what says most of it."""
     cell = tmp_path / "cell"
     shutil.copytree(run.case, cell / "case")
     shutil.copytree(run.case, cell / "latest")
