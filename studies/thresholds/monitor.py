@@ -48,7 +48,7 @@ class MonitoredSignal:
 
     @property
     def can_alarm(self) -> bool:
-        """Whether the reference is large enough: a share is never above 1."""
+        """Whether the reference leaves room for an alarm: a share is never above 1."""
         return self.watched.limit < 1
 
 

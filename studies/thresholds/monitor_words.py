@@ -58,7 +58,7 @@ def _sentence(signal: MonitoredSignal, paths: Sequence[Path]) -> str:
             f"frequent than in {usual}, by more than chance and the tolerance; {MENDS[signal.name]}."
         )
     if not signal.can_alarm:
-        return f"Can never raise an alarm: the certificate knows {counted(reference.n, 'run')}, and more are needed."
+        return f"Can never raise an alarm: from {usual} up no share is known to be larger; certify with more runs."
     if signal.more is None:
         return f"Still inside ({usual}); even a complete change would not be noticed within {MOST_MORE} further runs."
     further = counted(signal.more, "further run")

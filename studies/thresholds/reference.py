@@ -75,12 +75,13 @@ NUMBERS: Mapping[SignalName, Callable[[Observed], float | None]] = {
 def said_of(run: Observed, name: SignalName, limit: float) -> bool | None:
     """Whether the run passes a signal's limit; None where it says nothing of it.
 
-    Recoveries: whether one ended with a Gamma no higher than the limit, since Gammas of nothing gained are all the same
-    number; no where there was none. The others: whether the number is above the limit.
+    Recoveries: whether one ended with a Gamma below the limit, or with nothing gained at all, since the limit itself is
+    0 where a tenth of the domain's recoveries and more gain nothing; no where there was none. The others: whether the
+    number is above the limit.
     """
     number = NUMBERS[name](run)
     if name == "recovery_without_gain":
-        return None if run.recoveries is None else number is not None and bool(number <= limit)
+        return None if run.recoveries is None else number is not None and bool(number < limit or number <= 0)
     return None if number is None else bool(number > limit)
 
 

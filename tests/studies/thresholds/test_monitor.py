@@ -64,6 +64,8 @@ def test_recoveries_that_gain_nothing():
     stream = [*gaining([None, 0.2, 0.0]), Observed(None, None, 0.0, 0.0)]
     (signal,) = monitored(_one("recovery_without_gain", found), stream, FALSE_ALARMS, TOLERANCE)
     assert (signal.answers, signal.of_runs) == ((False, False, True), (0, 1, 2))
+    alike = monitor_reference(gaining([0.15] * 40), seed=0).signals["recovery_without_gain"]
+    assert (alike.limit, alike.n_yes) == (pytest.approx(0.15), 0)  # all gain the same: nobody is below that
 
 
 def _one(name, signal: SignalReference) -> MonitorReference:
