@@ -43,6 +43,7 @@ COMMANDS = {
     ),
     "dataset check": ("studies.dataset.check.command", "Verify every byte, label, pose and unit of a dataset."),
     "dataset show": ("studies.dataset.show.command", "Make a contact sheet and statistics of a dataset."),
+    "monitor": ("studies.cli.monitor", "Hold a cell's runs against the declared domain of a threshold certificate."),
     "report": ("studies.cli.report", "Rebuild the HTML report from the stored results."),
 }
 """Command, of one word or two -> (module with `run(args) -> exit status`, or another function of it, what it does)."""

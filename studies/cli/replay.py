@@ -13,7 +13,7 @@ from studies.base.config import check_finite, overlaid
 from studies.base.console import say, say_json, warn
 from studies.base.flags import RecordingCommand, parse
 from studies.base.single_case import made_once
-from studies.run.recording import recording_errors
+from studies.run.recording_errors import recording_errors
 from studies.run.replayed import (
     REPLAY_COMMAND,
     ReplaySettings,
