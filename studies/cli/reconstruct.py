@@ -15,7 +15,7 @@ from studies.run.starts.page import rebuild
 from studies.run.starts.runs import finished_starts, make_starts, spread_starts, write_starts
 from studies.run.starts.summary import starts_json, starts_paragraph
 from studies.run.stored_run import ACQUISITIONS, CLOUD, FILTERED_CLOUD, REPORT, RUN, TIMINGS, StoredRun
-from studies.run.viewing import shown_live
+from studies.run.viewing import shown_in_browser
 from studies.work.executor import exit_status
 
 FILES = (REPORT, RUN, ACQUISITIONS, TIMINGS, CLOUD, FILTERED_CLOUD)
@@ -81,7 +81,7 @@ def run_once(command: ReconstructCommand, subject: Subject) -> int:
     config = resolved_run(command.settings)
     check_record(command, config)
     check_watchable(command, config)
-    with shown_live(command.view, subject.title, config.parameters.invalid_share) as view:
+    with shown_in_browser(command.view, subject.title, config.parameters.invalid_share) as view:
         case, found = made_once(
             RUN_COMMAND,
             config,

@@ -25,7 +25,7 @@ from studies.run.replayed import (
 )
 from studies.run.sentences import replay_words, run_paragraph
 from studies.run.stored_run import ACQUISITIONS, CLOUD, FILTERED_CLOUD, REPORT, RUN, TIMINGS, StoredRun
-from studies.run.viewing import shown_live
+from studies.run.viewing import shown_in_browser
 
 REPLAY_FILES = (REPORT, RUN, REPLAY_FILE, ACQUISITIONS, TIMINGS, CLOUD, FILTERED_CLOUD)
 """What the output folder itself shows of the case."""
@@ -49,7 +49,7 @@ def run(args: list[str]) -> int:
             f"{command.out}: holds this very replay already; look at it with franbv report {command.out} --rrd, "
             "or choose another --out"
         )
-    with shown_live(command.view, recording_title(recording), config.parameters.invalid_share) as view:
+    with shown_in_browser(command.view, recording_title(recording), config.parameters.invalid_share) as view:
         case, found = made_once(
             REPLAY_COMMAND,
             config,

@@ -1,6 +1,5 @@
 """`franbv study comparison`: FRA against PB and RE on parts A to D and an inside corner, beside the paper's numbers."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -12,12 +11,11 @@ from materials.input_error import InputError
 from materials.suggestion import suggest
 from studies.base.atomic_file import write_atomically
 from studies.base.case_folder import finished_case
-from studies.base.config import validated
 from studies.base.console import say, say_json, strict_json, warn
 from studies.base.flags import parse
 from studies.base.inputs import check_not_overwritten
 from studies.base.output_errors import prepare_output
-from studies.base.reading import reading
+from studies.base.stored_preset import read_preset_file, write_preset_file
 from studies.comparison.cases import planned_runs
 from studies.comparison.links import LINKS
 from studies.comparison.planning_speed import SPEED_JOB, SpeedTask, is_measured, measure_speed
@@ -87,23 +85,13 @@ def run(args: list[str]) -> int:
 
 
 def write_preset(out: Path, preset: ComparisonPreset) -> None:
-    """Put down what the study in this folder is, so that its page can be made from the folder alone."""
-    stored = {"format": STUDY_FORMAT, "preset": preset.model_dump(mode="json")}
-    write_atomically(out / STUDY, strict_json(stored, indent=1).encode())
+    """Put down what the study in this folder is."""
+    write_preset_file(out / STUDY, preset, STUDY_FORMAT)
 
 
 def stored_preset(out: Path) -> ComparisonPreset:
-    """What the study in this folder is; InputError where it cannot be read, or is of another format: its runs go by
-    other names, so that none of them would be found."""
-    with reading(out / STUDY, "give the study's command again"):
-        stored = json.loads((out / STUDY).read_text(encoding="utf-8"))
-        found = stored.get("format", 1)
-    if found != STUDY_FORMAT:
-        raise InputError(
-            f"{out / STUDY}: was written by an older or newer version (format {found}, here {STUDY_FORMAT}); read it "
-            "with that version, or give the study's command again with another --out"
-        )
-    return validated(ComparisonPreset, stored["preset"], str(out / STUDY))
+    """What the study in this folder is; errors as `read_preset_file` has them."""
+    return read_preset_file(out / STUDY, ComparisonPreset, STUDY_FORMAT)
 
 
 def with_named(

@@ -1,20 +1,16 @@
 """`franbv study readings`: which reading of the paper's text makes its table, by a designed experiment."""
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
 import tyro
 
-from materials.input_error import InputError
-from studies.base.atomic_file import write_atomically
-from studies.base.config import validated
-from studies.base.console import say, say_json, strict_json
+from studies.base.console import say, say_json
 from studies.base.flags import parse
 from studies.base.inputs import check_not_overwritten
 from studies.base.output_errors import prepare_output
-from studies.base.reading import reading
+from studies.base.stored_preset import read_preset_file, write_preset_file
 from studies.readings.evaluation import READINGS_SUMMARY, WRITTEN_BESIDE, evaluate_readings
 from studies.readings.preset import ReadingsPreset
 from studies.readings.runs import reading_runs
@@ -55,8 +51,7 @@ def run(args: list[str]) -> int:
     check_not_overwritten(preset_files(command.preset, named.sensor), written)
     with executor_of(command.work) as executor:  # before anything is written
         prepare_output(command.out)
-        stored = {"format": READINGS_FORMAT, "preset": preset.model_dump(mode="json")}
-        write_atomically(command.out / READINGS, strict_json(stored, indent=1).encode())
+        write_preset_file(command.out / READINGS, preset, READINGS_FORMAT)
         outcome = stored_outcome(command.out / READINGS_SUMMARY)
         clock = StudyClock.started(command.out, command.out / RUNS, outcome.wall_s)
         failures = make_runs(command.out, runs, executor, _PROGRAM)
@@ -70,19 +65,6 @@ def run(args: list[str]) -> int:
 
 def rebuild(out: Path) -> Path:
     """Tables, summary and report of a study of readings from its folder alone; returns the report's path."""
-    preset = stored_readings(out)
+    preset = read_preset_file(out / READINGS, ReadingsPreset, READINGS_FORMAT)
     before = stored_outcome(out / READINGS_SUMMARY)
     return evaluate_readings(out, preset, reading_runs(preset), before.failures, before.wall_s).report
-
-
-def stored_readings(out: Path) -> ReadingsPreset:
-    """What the study in this folder is; InputError where it cannot be read, or is of another format."""
-    with reading(out / READINGS, "give the study's command again"):
-        stored = json.loads((out / READINGS).read_text(encoding="utf-8"))
-        found = stored["format"]
-    if found != READINGS_FORMAT:
-        raise InputError(
-            f"{out / READINGS}: was written by an older or newer version (format {found}, here {READINGS_FORMAT}); "
-            "read it with that version, or give the study's command again with another --out"
-        )
-    return validated(ReadingsPreset, stored["preset"], str(out / READINGS))

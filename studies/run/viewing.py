@@ -19,7 +19,7 @@ def view_errors() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def shown_live(wanted: bool, title: str, invalid_share: float) -> Iterator[ViewSink | None]:
+def shown_in_browser(wanted: bool, title: str, invalid_share: float) -> Iterator[ViewSink | None]:
     """`franbv.adapters.view.opening.shown_live`, whose words go to stderr."""
     with view_errors(), opening.shown_live(wanted, title, invalid_share, warn) as view:
         yield view

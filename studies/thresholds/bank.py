@@ -28,10 +28,10 @@ from studies.base.config import Config
 from studies.run.scene_settings import build_subject, resolved
 from studies.store.views import camera_vector, read_arrays, write_arrays
 from studies.thresholds.config import Domain
-from studies.thresholds.draw import ViewDraw, subject_settings, view_draw, view_pose
+from studies.thresholds.draw import DomainView, subject_settings, view_draw, view_pose
 from studies.thresholds.stress import stress_of
 
-BANK, VIEWS = "bank", "views"
+BANK, BANKED_VIEWS = "bank", "views"
 """Folders of the banks in a study's, and of the views in a bank's."""
 BANK_NAME = "thresholds bank 1"
 """What the hash of a bank calls it; the number rises when a view comes to hold something else."""
@@ -113,7 +113,7 @@ def bank_folder(out: Path, settings: BankSettings) -> Path:
 
 def view_file(folder: Path, number: int, stress: str = "") -> Path:
     """Of one view in a bank."""
-    return folder / (stress or VIEWS) / f"{number:06d}.npz"
+    return folder / (stress or BANKED_VIEWS) / f"{number:06d}.npz"
 
 
 def do_view(task: ViewTask) -> bool:
@@ -135,7 +135,7 @@ def do_view(task: ViewTask) -> bool:
     return True
 
 
-def banked_view(draw: ViewDraw, scene: Scene, sensor: SensorSettings, n_frames: int) -> BankedView:
+def banked_view(draw: DomainView, scene: Scene, sensor: SensorSettings, n_frames: int) -> BankedView:
     """Render and label one view of a scene."""
     camera = SimulatedD435i(scene, sensor, draw.seed, SAMPLING)
     pose = view_pose(draw, scene, sensor.mount_roll_deg)
@@ -153,10 +153,10 @@ def banked_view(draw: ViewDraw, scene: Scene, sensor: SensorSettings, n_frames: 
     )
 
 
-def read_view(task: ViewTask) -> tuple[ViewDraw, BankedView]:
+def read_banked_view(task: ViewTask) -> tuple[DomainView, BankedView]:
     """One view of a bank, and what was drawn for it."""
     arrays = read_arrays(task.file)
-    draw = ViewDraw(**json.loads(arrays.pop("draw").tobytes()))
+    draw = DomainView(**json.loads(arrays.pop("draw").tobytes()))
     return draw, BankedView(**arrays)
 
 
@@ -169,6 +169,6 @@ def bank_settings(domain: Domain, seed: int, n_frames: int) -> BankSettings:
     return BankSettings(domain=domain, seed=seed, n_frames=n_frames, digests=files)
 
 
-def replace_part(draw: ViewDraw, part: str) -> ViewDraw:
+def replace_part(draw: DomainView, part: str) -> DomainView:
     """The same view of another part."""
     return draw.model_copy(update={"part": part})

@@ -17,7 +17,7 @@ from studies.thresholds.config import RISK_MEANINGS, VIEW_RISKS, Bearable
 from studies.thresholds.draw import run_draw, view_draw
 from studies.thresholds.score import read_scores
 from studies.thresholds.stress import STRESSES
-from studies.thresholds.study import Evidence, Setting, Study
+from studies.thresholds.study import DrawnEvidence, Setting, Study
 
 CERTIFICATE, SETTINGS_FILE = "certificate.json", "thresholds.yaml"
 """What a study leaves for programs, and for the other commands."""
@@ -114,7 +114,7 @@ class Certificate:
     """All that the page and the files say."""
 
     study: Study
-    evidence: Evidence
+    evidence: DrawnEvidence
     choice: Choice
     repetitions: Repetitions
     promises: tuple[Promise, ...]
@@ -130,13 +130,13 @@ class Certificate:
         return self.choice.chosen is not None
 
 
-def shown_setting(study: Study, evidence: Evidence, choice: Choice) -> int:
+def shown_setting(study: Study, evidence: DrawnEvidence, choice: Choice) -> int:
     """The chosen setting; where none is certified, the one that comes nearest."""
     risks = study.preset.risks
-    return nearest(exceeded(evidence.scores, risks), risks) if choice.chosen is None else choice.chosen
+    return least_beyond(exceeded(evidence.scores, risks), risks) if choice.chosen is None else choice.chosen
 
 
-def certificate_of(study: Study, evidence: Evidence, choice: Choice, repetitions: Repetitions) -> Certificate:
+def certificate_of(study: Study, evidence: DrawnEvidence, choice: Choice, repetitions: Repetitions) -> Certificate:
     """Gather it."""
     risks, shown = study.preset.risks, shown_setting(study, evidence, choice)
     flags = exceeded(evidence.scores, risks)
@@ -154,7 +154,7 @@ def certificate_of(study: Study, evidence: Evidence, choice: Choice, repetitions
     )
 
 
-def nearest(flags: Mapping[str, Float[np.ndarray, "_ k"]], risks: Mapping[str, Bearable]) -> int:
+def least_beyond(flags: Mapping[str, Float[np.ndarray, "_ k"]], risks: Mapping[str, Bearable]) -> int:
     """The setting whose worst risk is least beyond its level, by all draws."""
     return int(np.argmin(np.max([np.nanmean(flags[name], axis=0) / risks[name].level for name in risks], axis=0)))
 
@@ -241,6 +241,6 @@ def write_certificate(out: Path, certificate: Certificate, more: Mapping[str, An
     write_atomically(out / CERTIFICATE, strict_json(content, indent=1).encode())
 
 
-def means(evidence: Evidence, names: Sequence[str]) -> dict[str, Float[np.ndarray, "k"]]:
+def means(evidence: DrawnEvidence, names: Sequence[str]) -> dict[str, Float[np.ndarray, "k"]]:
     """Mean number of each risk by setting, over the draws that say something."""
     return {name: np.nanmean(evidence.scores[name], axis=0) for name in names}

@@ -86,7 +86,7 @@ def budget_sentence(n_draws: Mapping[str, int], budget: Budget, confidence: floa
     return lines
 
 
-def choose(
+def choose_setting(
     scores: Scores,
     risks: Mapping[str, Bearable],
     prefer: str,
@@ -136,7 +136,7 @@ def repeated(
         by_number = {n: split(n, shares, rng) for n in sorted({len(numbers) for numbers in scores.values()})}
         dealt = {name: by_number[len(scores[name])] for name in (*risks, prefer)}  # a draw is dealt once for all risks
         learn, test, judge = ({name: rows[k] for name, rows in dealt.items()} for k in range(3))
-        choice = choose(scores, risks, prefer, learn, test, confidence)
+        choice = choose_setting(scores, risks, prefer, learn, test, confidence)
         silent += choice.chosen is None
         violations += breaks(flags, risks, choice.chosen, judge)
         naive += breaks(flags, risks, choice.naive, judge)

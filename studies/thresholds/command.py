@@ -1,6 +1,5 @@
 """`franbv study thresholds`: settings with a guarantee for declared parts, and a certificate that says what it is."""
 
-import json
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,12 +9,11 @@ import tyro
 
 from materials.input_error import InputError
 from studies.base.atomic_file import write_atomically
-from studies.base.config import validated
 from studies.base.console import say, say_json, strict_json
 from studies.base.flags import parse
 from studies.base.inputs import check_not_overwritten
 from studies.base.output_errors import prepare_output
-from studies.base.reading import reading
+from studies.base.stored_preset import read_preset_file
 from studies.run.batch import stored_outcome
 from studies.run.scene_settings import build_subject, preset_files, with_sensor_resolved
 from studies.thresholds.bank import BANK, replace_part
@@ -32,7 +30,7 @@ from studies.thresholds.certificate import (
 from studies.thresholds.choose import budget_sentence, check_budget
 from studies.thresholds.config import VIEW_RISKS, ThresholdsPreset
 from studies.thresholds.draw import subject_settings, view_draw
-from studies.thresholds.reconstructions import do_run
+from studies.thresholds.reconstructions import do_run_draw
 from studies.thresholds.score import do_score
 from studies.thresholds.study import Study, chosen_of, repetitions_of
 from studies.work.executor import Executor, WorkFlags, check_alike, executor_of, exit_status, reasons_once
@@ -41,9 +39,9 @@ from studies.work.workers import Failure, Job
 
 _PROGRAM = "franbv study thresholds"
 _HELP = "Choose thresholds for declared parts, materials and lamps, and certify what they guarantee."
-STUDY, SUMMARY, PAGE = "thresholds.json", "thresholds_summary.json", "certificate.html"
+THRESHOLDS_STUDY, THRESHOLDS_SUMMARY, PAGE = "thresholds.json", "thresholds_summary.json", "certificate.html"
 """The resolved preset, the summary and the certificate for people, in the output folder."""
-STUDY_FORMAT = 1
+THRESHOLDS_FORMAT = 1
 """Of the first; it rises when draws come to go by other names."""
 
 
@@ -76,16 +74,18 @@ def run(args: list[str]) -> int:
     study = Study.of(command.out, preset)
     check_not_overwritten(
         preset_files(name, named.domain.sensor),
-        map(command.out.joinpath, (STUDY, SUMMARY, PAGE, CERTIFICATE, SETTINGS_FILE)),
+        map(command.out.joinpath, (THRESHOLDS_STUDY, THRESHOLDS_SUMMARY, PAGE, CERTIFICATE, SETTINGS_FILE)),
     )
     with executor_of(command.work) as executor:  # before anything is written
         prepare_output(command.out)
-        stored = {"format": STUDY_FORMAT, "preset": preset.model_dump(mode="json")}
-        write_atomically(command.out / STUDY, strict_json(stored, indent=1).encode())
-        clock = StudyClock.started(command.out, command.out / BANK, stored_outcome(command.out / SUMMARY).wall_s)
+        stored = {"format": THRESHOLDS_FORMAT, "preset": preset.model_dump(mode="json")}
+        write_atomically(command.out / THRESHOLDS_STUDY, strict_json(stored, indent=1).encode())
+        clock = StudyClock.started(
+            command.out, command.out / BANK, stored_outcome(command.out / THRESHOLDS_SUMMARY).wall_s
+        )
         failures = draw_all(study, executor)
         failures = failures or draw_stressed(study, executor)
-    certificate, summary = evaluate(study, failures, clock.elapsed_s())
+    certificate, summary = evaluate_thresholds(study, failures, clock.elapsed_s())
     clock.stop()
     say("\n".join([*sentences(certificate), f"Certificate: {command.out / PAGE}"]))
     if command.json:
@@ -126,7 +126,7 @@ def draw_all(study: Study, executor: Executor) -> list[Failure]:
     if failures or not study.preset.run_risks:
         return failures
     runs = study.run_tasks(study.settings(study.view_scores()))
-    waiting = [Job(task.title, do_run, task) for task in runs if task.case is None]
+    waiting = [Job(task.title, do_run_draw, task) for task in runs if task.case is None]
     return executor.run([waiting], len(runs) - len(waiting), tell)
 
 
@@ -140,7 +140,7 @@ def draw_stressed(study: Study, executor: Executor) -> list[Failure]:
     return executor.run([missing], len(tasks) - len(missing), reasons_once(_PROGRAM)) if missing else []
 
 
-def evaluate(study: Study, failures: list[Failure], wall_s: float) -> tuple[Certificate, dict[str, Any]]:
+def evaluate_thresholds(study: Study, failures: list[Failure], wall_s: float) -> tuple[Certificate, dict[str, Any]]:
     """Choose, certify, write everything."""
     from studies.thresholds.report.page import certificate_html
 
@@ -152,13 +152,13 @@ def evaluate(study: Study, failures: list[Failure], wall_s: float) -> tuple[Cert
     certificate = certificate_of(study, evidence, choice, repetitions)
     write_certificate(study.out, certificate, {})
     write_settings(study.out, certificate)
-    summary = json_summary(certificate, failures, wall_s)
-    write_atomically(study.out / SUMMARY, strict_json(summary, indent=1).encode())
+    summary = thresholds_json(certificate, failures, wall_s)
+    write_atomically(study.out / THRESHOLDS_SUMMARY, strict_json(summary, indent=1).encode())
     write_atomically(study.out / PAGE, certificate_html(certificate, failures).encode())
     return certificate, summary
 
 
-def json_summary(certificate: Certificate, failures: list[Failure], wall_s: float) -> dict[str, Any]:
+def thresholds_json(certificate: Certificate, failures: list[Failure], wall_s: float) -> dict[str, Any]:
     """What `--json` prints, and the failures."""
     preset, again = certificate.study.preset, certificate.repetitions
     scores = certificate.evidence.scores
@@ -201,21 +201,9 @@ def sentences(certificate: Certificate) -> list[str]:
     ]
 
 
-def stored_thresholds(out: Path) -> ThresholdsPreset:
-    """What the study in this folder is; InputError where it cannot be read, or is of another format."""
-    with reading(out / STUDY, "give the study's command again"):
-        stored = json.loads((out / STUDY).read_text(encoding="utf-8"))
-        found = stored["format"]
-    if found != STUDY_FORMAT:
-        raise InputError(
-            f"{out / STUDY}: was written by an older or newer version (format {found}, here {STUDY_FORMAT}); "
-            "read it with that version, or give the study's command again with another --out"
-        )
-    return validated(ThresholdsPreset, stored["preset"], str(out / STUDY))
-
-
 def rebuild(out: Path) -> Path:
     """All that is made of the draws, from the folder alone; returns the certificate's path."""
-    before = stored_outcome(out / SUMMARY)
-    evaluate(Study.of(out, stored_thresholds(out)), before.failures, before.wall_s)
+    before = stored_outcome(out / THRESHOLDS_SUMMARY)
+    preset = read_preset_file(out / THRESHOLDS_STUDY, ThresholdsPreset, THRESHOLDS_FORMAT)
+    evaluate_thresholds(Study.of(out, preset), before.failures, before.wall_s)
     return out / PAGE

@@ -12,9 +12,8 @@ from scenes.build import COUPONS, BenchName
 from scenes.parts import ALL_PARTS
 from studies.base.config import Config, Preset
 from studies.dataset.config import Weights
+from studies.sensitivity.preset import OWN
 
-OWN = "own"
-"""Material of a part as the real thing is made."""
 VIEW_RISKS = ("false_recoveries", "missed_reflective_area", "false_depth_believed")
 """A draw is a view of a scene."""
 RUN_RISKS = ("coverage_shortfall", "acquisitions")
@@ -42,7 +41,7 @@ class Bearable(Config):
     """Largest probability that a draw exceeds [-]."""
 
 
-class CadFile(Config):
+class DomainMesh(Config):
     """A CAD file of the domain, as `franbv reconstruct --mesh` takes it."""
 
     file: Path
@@ -57,7 +56,7 @@ class Domain(Config):
 
     parts: Weights
     """Parts and coupons of ours, and the names of `meshes`."""
-    meshes: dict[str, CadFile] = Field(default={})
+    meshes: dict[str, DomainMesh] = Field(default={})
     """CAD files by a name of yours."""
     materials: Weights = Field(default={OWN: 1})
     """`own`, or what the whole part is made of, as `--material` takes it."""

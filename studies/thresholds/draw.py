@@ -16,13 +16,14 @@ from studies.base.config import Config
 from studies.dataset.draw.weighted_draw import pick
 from studies.run.reconstruct import ReconstructSettings
 from studies.run.scene_settings import SubjectSettings, mounted, on_bench
-from studies.thresholds.config import OWN, Domain
+from studies.sensitivity.preset import OWN
+from studies.thresholds.config import Domain
 
 VIEW_STREAM, RUN_STREAM = 1, 2
 """Tell the seeds of views and of reconstructions apart (choice)."""
 
 
-class ViewDraw(Config):
+class DomainView(Config):
     """One view of one scene."""
 
     number: int
@@ -52,12 +53,12 @@ class RunDraw:
     seed: int
 
 
-def view_draw(domain: Domain, seed: int, number: int) -> ViewDraw:
+def view_draw(domain: Domain, seed: int, number: int) -> DomainView:
     """View number `number`."""
     rng = np.random.default_rng([seed, VIEW_STREAM, number])
     scene = _scene(rng, domain)
     low, high = np.cos(np.radians(domain.polar_deg))
-    return ViewDraw(
+    return DomainView(
         number=number,
         **scene,
         polar_deg=round(float(np.degrees(np.arccos(rng.uniform(high, low)))), 4),
@@ -81,7 +82,7 @@ def _scene(rng: np.random.Generator, domain: Domain) -> dict[str, str]:
 _DRAWN = {"part": "parts", "material": "materials", "lamps": "lamps"}
 
 
-def subject_settings(domain: Domain, draw: ViewDraw | RunDraw) -> SubjectSettings:
+def subject_settings(domain: Domain, draw: DomainView | RunDraw) -> SubjectSettings:
     """The scene as the commands take it."""
     cad = domain.meshes.get(draw.part)
     given = {} if cad is None else {"mesh": cad.file, "units": cad.units, "up": cad.up}
@@ -99,7 +100,7 @@ def subject_settings(domain: Domain, draw: ViewDraw | RunDraw) -> SubjectSetting
     return on_bench(settings)
 
 
-def run_settings(domain: Domain, draw: RunDraw, parameters: Parameters) -> ReconstructSettings:
+def drawn_run(domain: Domain, draw: RunDraw, parameters: Parameters) -> ReconstructSettings:
     """A reconstruction as `franbv reconstruct` takes it, with the paper's planner and its roll from the mount."""
     subject = subject_settings(domain, draw)
     settings = ReconstructSettings(
@@ -111,7 +112,7 @@ def run_settings(domain: Domain, draw: RunDraw, parameters: Parameters) -> Recon
     return settings.model_copy(update={"parameters": mounted(parameters, settings.sensor)})
 
 
-def view_pose(draw: ViewDraw, scene: Scene, roll_deg: float) -> RigidTransform:
+def view_pose(draw: DomainView, scene: Scene, roll_deg: float) -> RigidTransform:
     """T_world_cam [m] of a view, the camera turned by the mount's roll."""
     middle = part_box(scene).mean(axis=0)
     polar, azimuth = np.radians([draw.polar_deg, draw.azimuth_deg])

@@ -16,11 +16,11 @@ from studies.run.scene_settings import build_subject
 from studies.run.shared_bursts import SharedCaptures
 from studies.run.stored_run import StoredRun
 from studies.thresholds.config import Domain
-from studies.thresholds.draw import run_draw, run_settings
+from studies.thresholds.draw import drawn_run, run_draw
 
 
 @dataclass(frozen=True)
-class RunTask:
+class RunDrawTask:
     """A reconstruction to be made."""
 
     out: Path
@@ -41,13 +41,13 @@ class RunTask:
         return finished_case(self.out / RUNS, case_digest(RUN_COMMAND, self.config))
 
 
-def run_task(out: Path, domain: Domain, seed: int, number: int, parameters: Parameters, setting: int) -> RunTask:
+def run_task(out: Path, domain: Domain, seed: int, number: int, parameters: Parameters, setting: int) -> RunDrawTask:
     """Reconstruction number `number` under a setting; all settings get the same scene, start and noise."""
-    settings = run_settings(domain, run_draw(domain, seed, number), parameters)
-    return RunTask(out, settings, f"reconstruction {number}, setting {setting}")
+    settings = drawn_run(domain, run_draw(domain, seed, number), parameters)
+    return RunDrawTask(out, settings, f"reconstruction {number}, setting {setting}")
 
 
-def do_run(task: RunTask) -> None:
+def do_run_draw(task: RunDrawTask) -> None:
     """For a worker: reconstruct, unless the finished case is there."""
     if task.case is not None:
         return

@@ -18,7 +18,7 @@ from studies.base.case_folder import case_digest
 from studies.base.config import Config, validated
 from studies.sensitivity.planning import first_look
 from studies.store.views import read_arrays, write_arrays
-from studies.thresholds.bank import BankedView, ViewTask, do_view, read_view
+from studies.thresholds.bank import BankedView, ViewTask, do_view, read_banked_view
 from studies.thresholds.config import RESCORED, VIEW_RISKS, ThresholdsPreset
 
 CLUSTERING = ("cluster_radius_voxels", "cluster_min_samples")
@@ -33,7 +33,7 @@ SCORES, SCORES_NAME = "scores", "thresholds scores 1"
 something else."""
 
 
-class Grid(Config):
+class SettingGrid(Config):
     """The settings that views are scored under, in order."""
 
     settings: tuple[Parameters, ...]
@@ -49,7 +49,7 @@ class ScoreTask:
     """A view to be drawn, if it is not there, and scored."""
 
     view: ViewTask
-    grid: Grid
+    grid: SettingGrid
 
     @property
     def file(self) -> Path:
@@ -57,7 +57,7 @@ class ScoreTask:
         return self.view.folder / SCORES / self.view.stress / self.grid.name / f"{self.view.number:06d}.npz"
 
 
-def settings_of(preset: ThresholdsPreset, names: Sequence[str]) -> list[dict[str, Any]]:
+def setting_combinations(preset: ThresholdsPreset, names: Sequence[str]) -> list[dict[str, Any]]:
     """Every combination of the stated values of these parameters."""
     chosen = {name: values for name, values in preset.settings.items() if name in names}
     return [dict(zip(chosen, values, strict=True)) for values in product(*chosen.values())]
@@ -69,9 +69,11 @@ def with_setting(preset: ThresholdsPreset, setting: Mapping[str, Any]) -> Parame
     return validated(Parameters, stated, "settings")
 
 
-def view_grid(preset: ThresholdsPreset) -> Grid:
+def view_grid(preset: ThresholdsPreset) -> SettingGrid:
     """What the preset's views are scored under."""
-    return Grid(settings=tuple(with_setting(preset, chosen) for chosen in settings_of(preset, RESCORED)))
+    return SettingGrid(
+        settings=tuple(with_setting(preset, chosen) for chosen in setting_combinations(preset, RESCORED))
+    )
 
 
 def do_score(task: ScoreTask) -> None:
@@ -80,7 +82,7 @@ def do_score(task: ScoreTask) -> None:
         return
     found = np.full((len(task.grid.settings), len(VIEW_RISKS)), np.nan)
     if do_view(task.view):
-        draw, view = read_view(task.view)
+        draw, view = read_banked_view(task.view)
         found = scored(view, task.grid.settings, draw.seed)
     task.file.parent.mkdir(parents=True, exist_ok=True)
     write_arrays(task.file, {"scores": found})

@@ -35,7 +35,7 @@ LAMP_SHIFT_M = 0.3
 NOISE_FACTOR, LASER_FACTORS, ALPHA_FACTORS = 2.0, (0.7, 1.3), (0.5, 1.5)
 CALIBRATION_PX = 0.3
 """Rows that the right image lies too low after rectification."""
-ROLL_DEG = 90.0
+QUARTER_TURN_DEG = 90.0
 """Turn of the camera in its mount, beside the declared one."""
 DOT_WIDTHS_PX = (3.8, 6.0)
 """Of the projector's dots, beside the 4.8 px of the camera: the D415's in proportion, and as much wider."""
@@ -85,7 +85,7 @@ def _sensor(sensor: SensorSettings, **changed: float) -> SensorSettings:
 
 def _turned(sensor: SensorSettings) -> SensorSettings:
     """Level instead of on end, and the other way round."""
-    return _sensor(sensor, roll_deg=ROLL_DEG if sensor.mount_roll_deg == 0 else 0.0)
+    return _sensor(sensor, roll_deg=QUARTER_TURN_DEG if sensor.mount_roll_deg == 0 else 0.0)
 
 
 def _with_material(scene: Scene, change: Callable[[Material], Material]) -> Scene:

@@ -14,14 +14,14 @@ from studies.thresholds.choose import (
     SPLIT_STREAM,
     Choice,
     Repetitions,
-    choose,
+    choose_setting,
     exceeded,
     repeated,
     split,
 )
-from studies.thresholds.config import RESCORED, RUN_RISKS, VIEW_RISKS, Bearable, ThresholdsPreset
-from studies.thresholds.reconstructions import RunTask, run_scores, run_task
-from studies.thresholds.score import Grid, ScoreTask, read_scores, settings_of, view_grid, with_setting
+from studies.thresholds.config import RESCORED, RUN_RISKS, VIEW_RISKS, ThresholdsPreset
+from studies.thresholds.reconstructions import RunDrawTask, run_scores, run_task
+from studies.thresholds.score import ScoreTask, SettingGrid, read_scores, setting_combinations, view_grid, with_setting
 from studies.thresholds.stress import STRESSES
 
 
@@ -38,7 +38,7 @@ class Setting:
 
 
 @dataclass(frozen=True, eq=False)
-class Evidence:
+class DrawnEvidence:
     """The numbers of all draws under the settings that are chosen among."""
 
     settings: tuple[Setting, ...]
@@ -53,7 +53,7 @@ class Study:
     out: Path
     preset: ThresholdsPreset
     bank: BankSettings
-    grid: Grid
+    grid: SettingGrid
 
     @classmethod
     def of(cls, out: Path, preset: ThresholdsPreset) -> "Study":
@@ -70,7 +70,7 @@ class Study:
 
     def stress_tasks(self, setting: Setting) -> dict[str, list[ScoreTask]]:
         """The first views of the budget under each mismatch, scored with one setting."""
-        folder, grid = bank_folder(self.out, self.bank), Grid(settings=(setting.parameters,))
+        folder, grid = bank_folder(self.out, self.bank), SettingGrid(settings=(setting.parameters,))
         numbers = range(min(self.preset.budget.stress_views, self.preset.budget.views))
         names = STRESSES if self.preset.view_risks and len(numbers) else ()
         return {name: [ScoreTask(ViewTask(folder, self.bank, k, name), grid) for k in numbers] for name in names}
@@ -89,8 +89,8 @@ class Study:
     def settings(self, views: dict[str, Float[np.ndarray, "_ k"]]) -> tuple[Setting, ...]:
         """Those that are chosen among: all that views can tell apart, or, where reconstructions count, the finalists
         with every combination of what only reconstructions can tell apart."""
-        preset, cheap = self.preset, settings_of(self.preset, RESCORED)
-        dear = settings_of(preset, [name for name in preset.settings if name not in RESCORED])
+        preset, cheap = self.preset, setting_combinations(self.preset, RESCORED)
+        dear = setting_combinations(preset, [name for name in preset.settings if name not in RESCORED])
         numbers = range(len(cheap)) if not preset.run_risks else self._finalists(views)
         chosen = [(k, {**cheap[k], **more}) for k in numbers for more in dear]
         return tuple(Setting(values, with_setting(preset, values), k) for k, values in chosen)
@@ -109,7 +109,7 @@ class Study:
         order = sorted(range(n_settings), key=lambda k: (max(beyond[k], WELL_WITHIN), cost[k], beyond[k], k))
         return order[: self.preset.budget.finalists]
 
-    def run_tasks(self, settings: Sequence[Setting]) -> list[RunTask]:
+    def run_tasks(self, settings: Sequence[Setting]) -> list[RunDrawTask]:
         """All reconstructions of the budget, draw after draw."""
         preset = self.preset
         if not preset.run_risks:
@@ -120,7 +120,7 @@ class Study:
             for k, setting in enumerate(settings)
         ]
 
-    def evidence(self, views: dict[str, Float[np.ndarray, "_ k"]], settings: tuple[Setting, ...]) -> Evidence:
+    def evidence(self, views: dict[str, Float[np.ndarray, "_ k"]], settings: tuple[Setting, ...]) -> DrawnEvidence:
         """Of all finished draws. A reconstruction counts where it is finished under every setting."""
         columns = [setting.view_setting for setting in settings]
         scores = {name: numbers[:, columns] for name, numbers in views.items()}
@@ -131,7 +131,7 @@ class Study:
             whole = [row for row in cases if all(row)]
             found = np.array([[run_scores(case) for case in row if case] for row in whole]).reshape(-1, k, 2)
             scores |= {name: found[:, :, j] for j, name in enumerate(RUN_RISKS)}
-        return Evidence(settings, scores)
+        return DrawnEvidence(settings, scores)
 
 
 WELL_WITHIN = 0.7
@@ -139,20 +139,15 @@ WELL_WITHIN = 0.7
 then certify it more often than not)."""
 
 
-def chosen_of(study: Study, evidence: Evidence) -> Choice:
+def chosen_of(study: Study, evidence: DrawnEvidence) -> Choice:
     """The study's own choice, on its own split."""
     preset = study.preset
     dealt = {name: study.dealt(len(numbers)) for name, numbers in evidence.scores.items()}
     learn, test = ({name: rows[k] for name, rows in dealt.items()} for k in range(2))
-    return choose(evidence.scores, preset.risks, preset.prefer, learn, test, preset.confidence)
+    return choose_setting(evidence.scores, preset.risks, preset.prefer, learn, test, preset.confidence)
 
 
-def repetitions_of(study: Study, evidence: Evidence) -> Repetitions:
+def repetitions_of(study: Study, evidence: DrawnEvidence) -> Repetitions:
     """The choice among the same settings, repeated on other splits."""
     preset = study.preset
     return repeated(evidence.scores, preset.risks, preset.prefer, preset.budget, preset.confidence, preset.seed)
-
-
-def telling(evidence: Evidence, risks: dict[str, Bearable]) -> dict[str, int]:
-    """Draws that say something of each risk."""
-    return {name: int((~np.isnan(evidence.scores[name]).any(axis=1)).sum()) for name in risks}

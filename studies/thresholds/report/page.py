@@ -8,6 +8,7 @@ from markupsafe import Markup
 
 from studies.drawing.templates import environment, page_style
 from studies.run.report.page import flattened
+from studies.sensitivity.trust import spoken
 from studies.thresholds.certificate import FEWEST_IN_CELL, Certificate, Combination, Promise, means
 from studies.thresholds.choose import exceeded
 from studies.thresholds.config import RISK_MEANINGS, RUN_RISKS, VIEW_RISKS, Bearable
@@ -51,11 +52,6 @@ def certificate_html(certificate: Certificate, failures: Sequence[Failure]) -> s
     )
 
 
-def spoken(name: str) -> str:
-    """A risk's name for people."""
-    return name.replace("_", " ")
-
-
 def promise_row(p: Promise) -> dict[str, Any]:
     """Of the table of the guarantee."""
     unit = "views" if p.risk in VIEW_RISKS else "reconstructions"
@@ -85,7 +81,7 @@ def charts(certificate: Certificate) -> list[tuple[str, Markup]]:
     found = []
     scores, settings = certificate.evidence.scores, certificate.evidence.settings
     views = means(certificate.evidence, VIEW_RISKS)
-    any_false = exceeded({"false_recoveries": scores["false_recoveries"]}, {"false_recoveries": NONE})
+    any_false = exceeded({"false_recoveries": scores["false_recoveries"]}, {"false_recoveries": NO_FALSE_REGION})
     x, y = 1 - views["missed_reflective_area"], np.nanmean(any_false["false_recoveries"], axis=0)
     words = [
         f"{_words(s.values)}: finds {100 * a:.0f} % of the reflective holes, false in {100 * b:.0f} % of the views"
@@ -107,7 +103,7 @@ def charts(certificate: Certificate) -> list[tuple[str, Markup]]:
     return found
 
 
-NONE = Bearable(most=0, level=0.5)
+NO_FALSE_REGION = Bearable(most=0, level=0.5)
 """Not one false region."""
 
 

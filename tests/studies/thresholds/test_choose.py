@@ -10,7 +10,7 @@ from studies.thresholds.certificate import lower_share, promise
 from studies.thresholds.choose import (
     breaks,
     check_budget,
-    choose,
+    choose_setting,
     exceeded,
     repeated,
     split,
@@ -106,13 +106,13 @@ def test_the_choice():
     rng = np.random.default_rng(2)
     scores, n = drawn(rng, 700), np.arange(700)
     rows = [dict.fromkeys(scores, part) for part in (n[:250], n[250:])]
-    choice = choose(scores, RISKS, "missed_reflective_area", *rows, 0.9)
+    choice = choose_setting(scores, RISKS, "missed_reflective_area", *rows, 0.9)
     assert choice.certified == (3,)
     assert choice.chosen == 3
     one = {"false_depth_believed": RISKS["false_depth_believed"]}
-    free = choose(scores, one, "missed_reflective_area", *rows, 0.9)
+    free = choose_setting(scores, one, "missed_reflective_area", *rows, 0.9)
     assert free.chosen == min(free.certified)
-    none = choose(
+    none = choose_setting(
         scores, {**RISKS, "false_recoveries": Bearable(most=0, level=0.02)}, "missed_reflective_area", *rows, 0.9
     )
     assert (none.certified, none.chosen, none.naive) == ((), None, None)

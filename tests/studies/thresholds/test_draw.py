@@ -10,7 +10,7 @@ from scenes.build import coupon_scene
 from scenes.reference_points import part_box
 from studies.base.config import validated
 from studies.thresholds.config import Domain, ThresholdsPreset
-from studies.thresholds.draw import run_draw, run_settings, subject_settings, view_draw, view_pose
+from studies.thresholds.draw import drawn_run, run_draw, subject_settings, view_draw, view_pose
 
 DOMAIN = Domain(
     parts={"ball": 1, "plate": 3},
@@ -62,7 +62,7 @@ def test_what_the_commands_are_told():
     """A drawn scene is one of `franbv reconstruct`; `own` leaves the material to the part."""
     preset = ThresholdsPreset(title="x", domain=DOMAIN, risks=RISKS)
     draw = run_draw(DOMAIN, 0, 5)
-    settings = run_settings(DOMAIN, draw, preset.parameters)
+    settings = drawn_run(DOMAIN, draw, preset.parameters)
     assert (settings.part, settings.material, settings.lamps) == (draw.part, (draw.material,), "dim")
     assert (settings.azimuth_deg, settings.seed, settings.planner) == (draw.azimuth_deg, draw.seed, "fra")
     own = view_draw(DOMAIN, 0, 0).model_copy(update={"material": "own"})
