@@ -30,7 +30,8 @@ from studies.thresholds.certificate import (
 from studies.thresholds.choose import budget_sentence, check_budget
 from studies.thresholds.config import VIEW_RISKS, ThresholdsPreset
 from studies.thresholds.draw import subject_settings, view_draw
-from studies.thresholds.reconstructions import do_run_draw
+from studies.thresholds.reconstructions import cell_reference, do_run_draw
+from studies.thresholds.reference import MONITOR, monitor_object
 from studies.thresholds.score import do_score
 from studies.thresholds.study import Study, chosen_of, repetitions_of
 from studies.work.executor import Executor, WorkFlags, check_alike, executor_of, exit_status, reasons_once
@@ -150,7 +151,9 @@ def evaluate_thresholds(study: Study, failures: list[Failure], wall_s: float) ->
     evidence = study.evidence(views, study.settings(views))
     choice, repetitions = chosen_of(study, evidence), repetitions_of(study, evidence)
     certificate = certificate_of(study, evidence, choice, repetitions)
-    write_certificate(study.out, certificate, {})
+    tasks = study.run_tasks([evidence.settings[certificate.shown]])
+    watched = cell_reference([case for task in tasks if (case := task.case)], study.preset.seed)
+    write_certificate(study.out, certificate, {} if watched is None else {MONITOR: monitor_object(watched)})
     write_settings(study.out, certificate)
     summary = thresholds_json(certificate, failures, wall_s)
     write_atomically(study.out / THRESHOLDS_SUMMARY, strict_json(summary, indent=1).encode())

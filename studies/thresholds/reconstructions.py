@@ -1,5 +1,6 @@
 """Drawn scenes reconstructed with the settings that go that far: cases of `franbv reconstruct`, kept in `runs`."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +18,11 @@ from studies.run.shared_bursts import SharedCaptures
 from studies.run.stored_run import StoredRun
 from studies.thresholds.config import Domain
 from studies.thresholds.draw import drawn_run, run_draw
+from studies.thresholds.reference import MonitorReference, monitor_reference
+from studies.thresholds.signals import observed_of_stored
+
+FEWEST_WATCHED = 20
+"""Reconstructions of which a reference is made (choice: ten teach the limits, ten answer)."""
 
 
 @dataclass(frozen=True)
@@ -62,3 +68,14 @@ def run_scores(case: Path) -> Float[np.ndarray, "2"]:
     """Of a finished case: the numbers of RUN_RISKS."""
     rows = StoredRun(case).rows
     return np.array([1 - rows[-1][MAP_COVERAGE], len(rows)], float)
+
+
+def cell_reference(cases: Sequence[Path], seed: int) -> MonitorReference | None:
+    """What a cell sees of the declared domain, by finished cases of one setting; None of too few, or where they say
+    nothing. seed: of the split into those that teach the limits and those that answer."""
+    if len(cases) < FEWEST_WATCHED:
+        return None
+    try:
+        return monitor_reference([observed_of_stored(StoredRun(case)) for case in cases], seed)
+    except ValueError:  # of no signal do both halves say anything
+        return None
