@@ -4,10 +4,10 @@ Everything that decides a case's result stands in its configuration, whose hash 
 on everything but the material, so it is a case of its own that all materials share.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -80,14 +80,44 @@ class TwinConfig(Look):
         return f"matte twin of {self.subject}, {self.polar_deg:g} deg, {self.distance_m:g} m, seed {self.seed}"
 
 
-class CaseConfig(Look):
-    """All that decides the result of a case."""
+class LitCase(Look):
+    """All that decides what the sensor measures of a case, whatever is then made of it."""
 
+    kind: ClassVar[str]
+    """What the hash of its name calls it."""
     material: str
     """Name of the material; `own` for a part as it is."""
     lights: tuple[Light, ...]
     """Detection and recovery are measured under the first."""
     glossy_paths: int
+
+    @property
+    def twins(self) -> list[TwinConfig]:
+        """The twin of the subject in this material under each light."""
+        shared = {name: getattr(self, name) for name in Look.model_fields}
+        return [TwinConfig(**shared, light=light, material=self.stand_in) for light in self.lights]
+
+    @property
+    def stand_in(self) -> str:
+        """Material that the twin is made of: one for all that share it."""
+        return twin_material(self.material)
+
+    @property
+    def digest(self) -> str:
+        """Name of the case's folder."""
+        return case_digest(self.kind, self)
+
+    @property
+    def title(self) -> str:
+        """For people, short enough for a progress display."""
+        dots = "" if self.dot_fwhm_px is None else f", dots {self.dot_fwhm_px:g} px"
+        return f"{self.subject} {self.material}, {self.polar_deg:g} deg, {self.distance_m:g} m{dots}, seed {self.seed}"
+
+
+class CaseConfig(LitCase):
+    """All that decides the result of a case."""
+
+    kind: ClassVar[str] = CASE
     other_paths: int
     recovery: bool
     """Whether regions are recovered."""
@@ -95,22 +125,8 @@ class CaseConfig(Look):
     """Poses that are tried to learn what was possible."""
     parameters: Parameters
 
-    @property
-    def twins(self) -> list[TwinConfig]:
-        """The twin of the subject in this material under each light."""
-        shared = {name: getattr(self, name) for name in Look.model_fields}
-        return [TwinConfig(**shared, light=light, material=twin_material(self.material)) for light in self.lights]
 
-    @property
-    def digest(self) -> str:
-        """Name of the case's folder."""
-        return case_digest(CASE, self)
-
-    @property
-    def title(self) -> str:
-        """For people, short enough for a progress display."""
-        dots = "" if self.dot_fwhm_px is None else f", dots {self.dot_fwhm_px:g} px"
-        return f"{self.subject} {self.material}, {self.polar_deg:g} deg, {self.distance_m:g} m{dots}, seed {self.seed}"
+AnyCase = TypeVar("AnyCase", bound=LitCase)
 
 
 @dataclass(frozen=True)
@@ -154,6 +170,10 @@ def azimuth_deg(subject: str, seed: int) -> float:
         turn = (seed * GOLDEN_ANGLE_DEG / 360 + 0.5) % 1 - 0.5  # evenly within -0.5 .. 0.5
         return round(CORNER_AZIMUTH_DEG + CORNER_SPREAD_DEG * turn, 6)
     return round((FIRST_AZIMUTH_DEG + GOLDEN_ANGLE_DEG * seed) % 360, 6)
+
+
+SceneOf = Callable[[Look, str, Light], Scene]
+"""What makes the scene of a look, the subject of this material under this light; it is sent to workers."""
 
 
 def look_scene(look: Look, spec: str, light: Light) -> Scene:
