@@ -6,6 +6,7 @@ on everything but the material, so it is a case of its own that all materials sh
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 from typing import Any, ClassVar, TypeVar
 
@@ -19,6 +20,7 @@ from materials.catalog import material
 from materials.material import Matte
 from render.d435i import SensorSettings, SimulatedD435i
 from render.light.sampling import Sampling
+from render.world.mitsuba_scene import LoadedScene, load_scene
 from scenes.build import COUPONS, coupon_scene, part_scene
 from scenes.coupons import plate_centre_height
 from scenes.part_materials import PartMaterials
@@ -194,7 +196,13 @@ def look_camera(look: Look, scene: Scene, light: Light, paths: int | None = None
     dots = {} if look.dot_fwhm_px is None else {"dot_fwhm_px": look.dot_fwhm_px}
     settings = look.sensor.model_copy(update={"imager": imager, **dots})
     sampling = Sampling() if paths is None else Sampling(**plain_paths(paths))
-    return SimulatedD435i(scene, settings, look.seed, sampling)
+    return SimulatedD435i(scene, settings, look.seed, sampling, known=_loaded(scene))
+
+
+@lru_cache(1)
+def _loaded(scene: Scene) -> LoadedScene:
+    """The scene that a worker looked at last: what its surfaces see of one another is found once for all its poses."""
+    return load_scene(scene)
 
 
 def plain_paths(paths: int) -> dict[str, Any]:
