@@ -19,7 +19,9 @@ class AngleBin:
     """What was found between two angles of incidence (between surface normal and view ray)."""
 
     from_deg: float
+    """Smallest angle [deg]."""
     to_deg: float
+    """Largest angle, that itself not [deg]."""
     views: int
     """Views that see enough of the part there; only they count below."""
     effective_views: float
@@ -53,7 +55,9 @@ class SafeRange:
     """Neighbouring bins, each of which is safe."""
 
     from_deg: float
+    """Where the first begins [deg]."""
     to_deg: float
+    """Where the last ends [deg]."""
     share: float
     """Of the surface in all its bins that has right depth [0, 1]."""
     lower_bound: float
@@ -65,6 +69,7 @@ class RollAngles:
     """One material under one roll of the camera."""
 
     roll_deg: float
+    """Turn of the camera about its optical axis, 0 = baseline horizontal [deg]."""
     ranges: tuple[SafeRange, ...]
     """All that are safe, the widest first; empty where none is."""
     bins: tuple[AngleBin, ...]

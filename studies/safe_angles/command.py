@@ -46,7 +46,7 @@ def run(args: list[str]) -> int:
         prepare_output(command.out)
         plan = write_angles_plan(command.out, settings, command.share, command.confidence, views)
         failures = measure_missing(command.out, views, do_view, executor, _PROGRAM, subject_scene(settings))
-    table, report = evaluate(command.out, plan)
+    table, report = evaluate_angles(command.out, plan)
     for line in table_lines(table):
         say(line)
     say(f"Table: {command.out / SAFE_ANGLES}\nReport: {report}")
@@ -57,7 +57,7 @@ def run(args: list[str]) -> int:
     return exit_status(failures)
 
 
-def evaluate(out: Path, plan: AnglesPlan) -> tuple[SafeAngles, Path]:
+def evaluate_angles(out: Path, plan: AnglesPlan) -> tuple[SafeAngles, Path]:
     """Write tables and page of the views that are finished; returns the table and the page's path."""
     from studies.safe_angles.report.page import write_angles_report
 
@@ -70,4 +70,4 @@ def evaluate(out: Path, plan: AnglesPlan) -> tuple[SafeAngles, Path]:
 
 def rebuild(out: Path) -> Path:
     """Tables and page from the folder alone; returns the page's path."""
-    return evaluate(out, read_angles_plan(out))[1]
+    return evaluate_angles(out, read_angles_plan(out))[1]

@@ -1,6 +1,7 @@
 """Safe angles in plain words: a line for each material and roll."""
 
 from collections.abc import Iterator
+from math import floor
 
 from franbv.surfaces.safe_angles import AngleBin, RollAngles, SafeAngles
 from scenes.build import COUPONS
@@ -32,9 +33,11 @@ def safe_words(line: RollAngles, table: SafeAngles) -> str:
     best = best_bin(line)
     if best is None:
         seen = max(line.bins, key=lambda found: found.effective_views)
+        rightest = max(line.bins, key=lambda found: found.share or 0.0)
         return (
-            f"not known at any angle: the best seen bin, {bin_words(seen)}, has {seen.effective_views:.1f} views of "
-            f"{table.least_views} that are needed; give more --poses."
+            f"not known at any angle: the best seen bin, {bin_words(seen)}, has {views_words(seen)} views of "
+            f"{table.least_views} that are needed; give more --poses. As measured {bin_words(rightest)} is best, with "
+            f"{percent(rightest.share)} of the surface right."
         )
     return (
         f"safe nowhere; the best bin, {bin_words(best)}, has {percent(best.share)} of the surface right, "
@@ -54,8 +57,13 @@ def unknown_words(line: RollAngles, table: SafeAngles) -> str:
     unknown = [found for found in line.bins if not found.is_known]
     if not unknown or len(unknown) == len(line.bins):
         return ""
-    named = ", ".join(f"{bin_words(found)} ({found.effective_views:.1f})" for found in unknown)
+    named = ", ".join(f"{bin_words(found)} ({views_words(found)})" for found in unknown)
     return f" Not known, for fewer than {table.least_views} views: {named}."
+
+
+def views_words(found: AngleBin) -> str:
+    """Effective views, rounded down, so that too few look like too few."""
+    return f"{floor(10 * found.effective_views) / 10:.1f}"
 
 
 def bin_words(found: AngleBin) -> str:

@@ -6,7 +6,7 @@ from franbv.surfaces.safe_angles import AngleBin, RollAngles, SafeAngles
 from studies.base.numbers_as_text import percent
 from studies.drawing import svg
 from studies.safe_angles.angles import is_safe_bin
-from studies.safe_angles.sentences import bin_words
+from studies.safe_angles.sentences import bin_words, views_words
 
 BINS_PLOT = svg.Plot(width=560, height=306, left=44, right=548, top=58, bottom=222)
 """Edges of the bars' ground [px]."""
@@ -50,7 +50,8 @@ def _bar(found: AngleBin, x: svg.Scale, y: svg.Scale, table: SafeAngles) -> Mark
         return svg.marked(words, f"{bin_words(found)}: no view sees enough of it")
     top = y(100 * found.share)
     bar = svg.element("rect", x=left, y=top, width=width, height=y(0) - top, klass=f"angle-bar {klass}")
-    number = svg.text(middle, y(100) - 5, f"{100 * found.share:.0f}" if found.is_known else "?", "tick-label mid")
+    doubt = "" if found.is_known else "?"
+    number = svg.text(middle, y(100) - 5, f"{100 * found.share:.0f}{doubt}", "tick-label mid")
     return svg.marked(svg.join(bar, *_lines(found, left, width, y), number), tooltip(found, table))
 
 
@@ -79,5 +80,5 @@ def tooltip(found: AngleBin, table: SafeAngles) -> str:
     """The bin's numbers."""
     words = f"{bin_words(found)}: {percent(found.share)} right in {found.views} views, {found.part_pixels:,} px"
     if found.lower_bound is None:
-        return f"{words}; not known, worth {found.effective_views:.1f} of {table.least_views} views that are needed"
+        return f"{words}; not known, worth {views_words(found)} of {table.least_views} views that are needed"
     return f"{words}; {percent(found.lower_bound)} at least"

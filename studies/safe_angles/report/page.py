@@ -12,12 +12,12 @@ from studies.run.report.page import flattened
 from studies.run.stored_run import REPORT
 from studies.safe_angles.plan import AnglesPlan
 from studies.safe_angles.report.bins_figure import bar_class, bins_figure
-from studies.safe_angles.sentences import bin_words, subject_words, verdict
+from studies.safe_angles.sentences import bin_words, subject_words, verdict, views_words
 from studies.sensitivity.trust import spoken
 
 CAUSE_MEANINGS = {LEGEND[cause].name: LEGEND[cause].meaning for cause in LEGEND}
 """What the labels mean, by name."""
-VERDICTS = {"safe": "safe", "unsafe": "not safe", "unknown": "not known"}
+BAR_WORDS = {"safe": "safe", "unsafe": "not safe", "unknown": "not known"}
 """Colours of the bars in words."""
 
 
@@ -73,8 +73,8 @@ def bin_cells(line: RollAngles, table: SafeAngles) -> list[Sequence[str]]:
     return [
         (
             bin_words(found),
-            VERDICTS[bar_class(found, table.target_share)],
-            f"{found.views} ({found.effective_views:.1f})",
+            BAR_WORDS[bar_class(found, table.target_share)],
+            f"{found.views} ({views_words(found)})",
             f"{found.part_pixels:,}",
             percent(found.share),
             percent(found.lower_bound),
