@@ -1,17 +1,20 @@
 """`docs/robot.md`: what it names exists, its numbers are the code's, and its examples are read by what they are for."""
 
+import itertools
 import json
 import re
 from pathlib import Path
 
 import pytest
 
+from docs.figures import delays
 from franbv.adapters.arms.flange_poses import STEP_DEG, STEP_M
 from franbv.adapters.arms.manual_arm import ManualArmSettings
 from franbv.adapters.arms.ros_arm import EXECUTE, FK, IK, JOINTS, PLAN_SERVICE, SCENE_SERVICE, STOP
 from franbv.adapters.calibration.hand_eye import WORST_DEG, WORST_MM_PER_M
 from franbv.adapters.calibration.poses_file import read_poses_file
 from studies.cli.main import COMMANDS
+from studies.thresholds.reference import LIMIT_QUANTILE
 from tests.conftest import ROOT
 
 TEXT = (ROOT / "docs" / "robot.md").read_text()
@@ -19,7 +22,7 @@ TEXT = (ROOT / "docs" / "robot.md").read_text()
 
 def test_files_and_commands_that_it_names_exist():
     """Files in backticks, and the command of both programs."""
-    named = re.findall(r"`((?:franbv|tests)/[\w/]+\.py)`", TEXT)
+    named = re.findall(r"`((?:franbv|studies|tests)/[\w/]+\.py)`", TEXT)
     assert len(named) > 4
     assert [name for name in named if not (ROOT / name).exists()] == []
     assert set(re.findall(r"^    franbv ([a-z]+(?: [a-z][a-z-]*)?) ", TEXT, re.MULTILINE)) <= set(COMMANDS)
@@ -32,6 +35,17 @@ def test_its_numbers_are_the_codes():
     manual = ManualArmSettings()
     assert f"within {1e3 * manual.position_tolerance_m:g} mm and {manual.angle_tolerance_deg:g} deg is taken" in TEXT
     assert f"{WORST_MM_PER_M:g} mm per metre of distance or {WORST_DEG:g} deg" in " ".join(TEXT.split())
+
+
+def test_its_table_of_delays_is_the_figures(monkeypatch: pytest.MonkeyPatch):
+    """Rows in the order in which they are printed; where every run changes at once, any stream says the same. The rest
+    takes a minute."""
+    monkeypatch.setattr(delays, "N_STREAMS", 1)
+    rows = re.findall(r"^\| (\d+) \| (\d+) % \| (\d+) \| .*\|$", TEXT, re.MULTILINE)
+    wanted = itertools.product(delays.CERTIFIED, (round(100 * share) for share in delays.CHANGED), delays.PAST)
+    assert [tuple(map(int, row)) for row in rows] == list(wanted)
+    assert all(delays.row(certified, 1.0, 0) in TEXT for certified in delays.CERTIFIED)
+    assert f"{LIMIT_QUANTILE:g} of the domain's runs" in TEXT
 
 
 def test_its_example_of_poses_is_read(tmp_path: Path):

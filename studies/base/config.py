@@ -49,6 +49,17 @@ def load_config(model: type[AnyConfig], path: Path) -> AnyConfig:
     return validated(model, read_yaml(path), str(path))
 
 
+def overlaid(config: AnyConfig, path: Path) -> AnyConfig:
+    """The configuration with what a YAML file says in its place, key by key."""
+    return validated(type(config), _merged(config.model_dump(), read_yaml(path)), str(path))
+
+
+def _merged(under: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
+    both = {key: (under[key], over[key]) for key in under.keys() & over.keys()}
+    nested = {key: _merged(*pair) for key, pair in both.items() if all(isinstance(one, dict) for one in pair)}
+    return {**under, **over, **nested}
+
+
 def read_yaml(path: Path) -> dict[str, Any]:
     """The mapping that a YAML file holds (an empty file holds an empty one)."""
     try:

@@ -61,6 +61,8 @@ class RecordingCommand(Generic[Settings]):
     settings: Annotated[Settings, tyro.conf.arg(name="")]
     out: Path
     """Output folder. The case gets a folder of its own in it; the same command finds a finished case there."""
+    config: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """YAML file with any of the settings, over those of the recording; flags override it."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object as the last line of stdout."""
     view: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False

@@ -34,6 +34,10 @@ COMMANDS = {
         "studies.readings.command",
         "Which reading of what the paper's text leaves open makes its table.",
     ),
+    "study thresholds": (
+        "studies.thresholds.command",
+        "Which thresholds are safe for declared parts, with which confidence.",
+    ),
     "run": ("studies.cli.robot:run", "Reconstruct with a real camera on a real arm; a dry run unless told to move."),
     "record": ("studies.cli.robot:record", "Take bursts of a real camera by hand; nothing is moved."),
     "cameras": ("studies.cli.robot:cameras", "List the RealSense cameras that are plugged in."),
@@ -43,6 +47,7 @@ COMMANDS = {
     ),
     "dataset check": ("studies.dataset.check.command", "Verify every byte, label, pose and unit of a dataset."),
     "dataset show": ("studies.dataset.show.command", "Make a contact sheet and statistics of a dataset."),
+    "monitor": ("studies.cli.monitor", "Hold a cell's runs against the declared domain of a threshold certificate."),
     "report": ("studies.cli.report", "Rebuild the HTML report from the stored results."),
 }
 """Command, of one word or two -> (module with `run(args) -> exit status`, or another function of it, what it does)."""

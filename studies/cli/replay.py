@@ -9,11 +9,11 @@ from franbv.adapters.recording.command import REPLAY_FILE
 from franbv.adapters.recording.opening import is_ours
 from materials.input_error import InputError
 from studies.base.case_folder import case_digest, finished_case
-from studies.base.config import check_finite
+from studies.base.config import check_finite, overlaid
 from studies.base.console import say, say_json, warn
 from studies.base.flags import RecordingCommand, parse
 from studies.base.single_case import made_once
-from studies.run.recording import recording_errors
+from studies.run.recording_errors import recording_errors
 from studies.run.replayed import (
     REPLAY_COMMAND,
     ReplaySettings,
@@ -67,13 +67,21 @@ def run(args: list[str]) -> int:
 
 def _parsed(args: list[str]) -> ReplayCommand:
     """The flags over the settings of the recorded run; a recording of ours tells them, be it that of the poses."""
-    command = parse(ReplayCommand, args, _PROGRAM, _HELP, _defaults(ReplaySettings()))
+    command = _over(args, ReplaySettings())
     telling = next((path for path in (command.recording, command.settings.poses) if path and _is_ours(path)), None)
     if telling is not None:
         recorded = settings_of(opened_recording(telling, ReplaySettings()))
-        command = parse(ReplayCommand, args, _PROGRAM, _HELP, _defaults(recorded))
+        command = _over(args, recorded)
     check_finite(command.settings, "the flags")
     return command
+
+
+def _over(args: list[str], settings: ReplaySettings) -> ReplayCommand:
+    """The flags over a file's settings, if one is named, over these."""
+    command = parse(ReplayCommand, args, _PROGRAM, _HELP, _defaults(settings))
+    if command.config is None:
+        return command
+    return parse(ReplayCommand, args, _PROGRAM, _HELP, _defaults(overlaid(settings, command.config)))
 
 
 def _is_ours(path: Path) -> bool:

@@ -20,6 +20,7 @@ STUDIES = {
     "comparison.json": "studies.comparison.command",
     "readings.json": "studies.readings.command",
     "study.json": "studies.sensitivity.report.page",
+    "thresholds.json": "studies.thresholds.command",
 }
 """File that a study's folder is known by -> module with `rebuild(folder) -> report`."""
 RRD_FILE = f"run{RRD}"

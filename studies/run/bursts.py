@@ -6,9 +6,10 @@ milliseconds each, and goes on where the run was cut off. A burst is reused only
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float, UInt8
@@ -18,12 +19,19 @@ from franbv.frames import Intrinsics
 from franbv.sensing import DepthBurst
 from studies.base.atomic_file import write_atomically
 from studies.base.case_folder import PROGRESS
-from studies.run.shared_bursts import SharedCaptures
 from studies.store.images import read_png, write_png
 from studies.store.views import camera_vector, read_arrays, write_arrays
 
 Take = Callable[[RigidTransform, int], tuple[DepthBurst, UInt8[np.ndarray, "h w"]]]
 """(pose, frames) -> the burst, and the left infrared image of its first frame, where the depth image lies."""
+
+
+@runtime_checkable
+class BurstPool(Protocol):
+    """Bursts of other runs: `studies.run.shared_bursts.SharedCaptures`, which knows scenes, as no reader need."""
+
+    def take_over(self, T_world_cam: RigidTransform, n_frames: int, files: Iterable[Path]) -> bool: ...
+    def offer(self, T_world_cam: RigidTransform, n_frames: int, files: Iterable[Path]) -> None: ...
 
 
 @dataclass
@@ -36,7 +44,7 @@ class KeptCaptures:
     min_z: float
     case: Path
     """Folder of the (unfinished) case; the captures go into its PROGRESS folder."""
-    shared: SharedCaptures | None = None
+    shared: BurstPool | None = None
     """Captures of other runs that may be taken over, None = none."""
     sensing_s: list[float] = field(default_factory=list)
     """Time that each capture took when it was taken, or taken over from another run [s]."""

@@ -5,22 +5,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from franbv.adapters.recording.contents import CameraFacts, RecordingError, RunFacts
+from franbv.adapters.recording.contents import CameraFacts, RunFacts
 from franbv.adapters.recording.opening import record_extra
 from franbv.adapters.recording.watched import Watch
-from materials.input_error import InputError
 from studies.run.bursts import stored_infrared
+from studies.run.recording_errors import recording_errors
 from studies.run.run_case import RunSettings
 from studies.work.maker import versions
-
-
-@contextmanager
-def recording_errors() -> Iterator[None]:
-    """What is wrong with a recording, as bad input."""
-    try:
-        yield
-    except RecordingError as error:
-        raise InputError(str(error)) from error
 
 
 @contextmanager

@@ -29,7 +29,7 @@ from studies.run.bursts import infrared_path
 from studies.run.real_and_simulated import Twin, scene_digests
 from studies.run.recorded_sensor import sensor_fields
 from studies.run.recorder import RunRecorder, timing_figures
-from studies.run.recording import recording_errors
+from studies.run.recording_errors import recording_errors
 from studies.run.report.page import write_report
 from studies.run.run_case import RunSettings, ablated, write_result
 from studies.run.stored_run import TIMINGS

@@ -173,9 +173,11 @@ def _dry_run(arm: GuardedArm, parameters: Parameters, flags: argparse.Namespace)
 
 
 def _parameters(path: Path | None) -> Parameters:
-    """CellError where the file says what no parameter is."""
+    """CellError where the file says what no parameter is. They may stand under `parameters`, as in thresholds.yaml."""
+    stated = stated_in(path)
+    inner = stated.get("parameters")
     try:
-        return Parameters.model_validate(stated_in(path))
+        return Parameters.model_validate(inner if set(stated) == {"parameters"} else stated)
     except ValidationError as error:
         raise CellError(f"{path}: {first_fault(error, 'parameters')}; see franbv/parameters.py") from None
 

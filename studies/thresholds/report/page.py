@@ -1,0 +1,127 @@
+"""The certificate as one page that is read without us."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
+from studies.drawing.templates import environment, page_style
+from studies.run.report.page import flattened
+from studies.thresholds.certificate import FEWEST_IN_CELL, Certificate, Combination, Promise, means
+from studies.thresholds.choose import exceeded
+from studies.thresholds.config import RISK_MEANINGS, RUN_RISKS, VIEW_RISKS, Bearable
+from studies.thresholds.report.tradeoff_figure import Dot, tradeoff_figure
+from studies.work.workers import Failure
+
+
+def certificate_html(certificate: Certificate, failures: Sequence[Failure]) -> str:
+    """The whole page."""
+    study, again = certificate.study, certificate.repetitions
+    preset = study.preset
+    views = len(certificate.evidence.scores[VIEW_RISKS[0]])
+    kinds = [words for words, risks in (("view", preset.view_risks), ("reconstruction", preset.run_risks)) if risks]
+    config = preset.model_dump(mode="json", exclude={"domain"})
+    return (
+        environment("studies.thresholds.report")
+        .get_template("certificate.html.j2")
+        .render(
+            title=preset.title,
+            certified=certificate.certified,
+            confidence=preset.confidence,
+            draw_words=" or a ".join(kinds),
+            promises=[promise_row(p) for p in certificate.promises],
+            values=list(certificate.evidence.settings[certificate.shown].values.items()),
+            domain=list(flattened(preset.domain.model_dump(mode="json", exclude={"sensor"}, exclude_none=True)))
+            + list(flattened({"sensor": preset.domain.sensor.model_dump(mode="json", exclude_defaults=True)})),
+            fewest=FEWEST_IN_CELL,
+            combinations=[combination_row(c) for c in certificate.combinations],
+            stresses=[
+                {"words": s.words, "verdict": s.verdict, "shares": shares(s.promises)} for s in certificate.stresses
+            ],
+            charts=charts(certificate),
+            learned=len(study.dealt(views)[0]),
+            prefer=spoken(preset.prefer),
+            again=again,
+            allowed=again.allowed(preset.confidence),
+            failures=failures,
+            config=list(flattened(config)),
+            style=page_style(("studies.thresholds.report", "thresholds.css")),
+        )
+    )
+
+
+def spoken(name: str) -> str:
+    """A risk's name for people."""
+    return name.replace("_", " ")
+
+
+def promise_row(p: Promise) -> dict[str, Any]:
+    """Of the table of the guarantee."""
+    unit = "views" if p.risk in VIEW_RISKS else "reconstructions"
+    return {
+        **vars(p),
+        "most": f"{p.most:g}",
+        "name": spoken(p.risk),
+        "meaning": RISK_MEANINGS[p.risk],
+        "unit": unit,
+        "of_views": p.risk in VIEW_RISKS,
+    }
+
+
+def combination_row(c: Combination) -> dict[str, Any]:
+    """Of the table of combinations."""
+    where = {"part": c.part, "material": c.material, "lamps": c.lamps}
+    return {**where, "broken": c.broken, "shares": shares(c.promises)}
+
+
+def shares(promises: Sequence[Promise]) -> list[str]:
+    """How many draws exceed, risk by risk."""
+    return [f"{p.exceeding} of {p.draws}" if p.draws else "none says anything" for p in promises]
+
+
+def charts(certificate: Certificate) -> list[tuple[str, Markup]]:
+    """Heading and chart: what views tell of each setting, and reconstructions where there are any."""
+    found = []
+    scores, settings = certificate.evidence.scores, certificate.evidence.settings
+    views = means(certificate.evidence, VIEW_RISKS)
+    any_false = exceeded({"false_recoveries": scores["false_recoveries"]}, {"false_recoveries": NONE})
+    x, y = 1 - views["missed_reflective_area"], np.nanmean(any_false["false_recoveries"], axis=0)
+    words = [
+        f"{_words(s.values)}: finds {100 * a:.0f} % of the reflective holes, false in {100 * b:.0f} % of the views"
+        for s, a, b in zip(settings, x, y, strict=True)
+    ]
+    labels = "share of the reflective holes found, mean over views", "share of views with a false recovery"
+    title = "Reflective holes found against false recoveries"
+    found.append((title, tradeoff_figure(title, *labels, dots(certificate, x, y, words))))
+    if all(name in scores and len(scores[name]) for name in RUN_RISKS):
+        runs = means(certificate.evidence, RUN_RISKS)
+        x, y = runs["acquisitions"], 1 - runs["coverage_shortfall"]
+        words = [
+            f"{_words(s.values)}: {100 * b:.0f} % covered in {a:.0f} acquisitions"
+            for s, a, b in zip(settings, x, y, strict=True)
+        ]
+        title = "Coverage against acquisitions"
+        labels = "acquisitions, mean over reconstructions", "share of the surface covered at the end"
+        found.append((title, tradeoff_figure(title, *labels, dots(certificate, x, y, words))))
+    return found
+
+
+NONE = Bearable(most=0, level=0.5)
+"""Not one false region."""
+
+
+def dots(certificate: Certificate, x: np.ndarray, y: np.ndarray, words: Sequence[str]) -> list[Dot]:
+    """One for each setting that both numbers are known of."""
+    known = [k for k in range(len(words)) if np.isfinite(x[k]) and np.isfinite(y[k])]
+    return [Dot(float(x[k]), float(y[k]), _klass(certificate, k), words[k]) for k in known]
+
+
+def _klass(certificate: Certificate, setting: int) -> str:
+    if setting == certificate.choice.chosen:
+        return "chosen"
+    return "certified" if setting in certificate.choice.certified else "plain"
+
+
+def _words(values: dict[str, Any]) -> str:
+    return ", ".join(f"{name} {value}" for name, value in values.items()) or "as it is"
