@@ -18,7 +18,7 @@ from studies.safe_angles.plan import ANGLES_PLAN, AnglesPlan, read_angles_plan, 
 from studies.safe_angles.sentences import table_lines
 from studies.safe_angles.settings import SafeAnglesSettings, check_settings, subject_in
 from studies.safe_angles.table import SAFE_ANGLES, safe_angles_table, stored_tables, write_safe_angles
-from studies.safe_angles.views import angle_views, do_view, subject_scene
+from studies.safe_angles.views import angle_views, do_angles_view, subject_scene
 from studies.sensitivity.measurement import measure_missing
 from studies.sensitivity.tables import TABLES, write_tables
 from studies.work.executor import executor_of, exit_status
@@ -45,7 +45,7 @@ def run(args: list[str]) -> int:
     with executor_of(command.work) as executor:  # before anything is written
         prepare_output(command.out)
         plan = write_angles_plan(command.out, settings, command.share, command.confidence, views)
-        failures = measure_missing(command.out, views, do_view, executor, _PROGRAM, subject_scene(settings))
+        failures = measure_missing(command.out, views, do_angles_view, executor, _PROGRAM, subject_scene(settings))
     table, report = evaluate_angles(command.out, plan)
     for line in table_lines(table):
         say(line)

@@ -29,6 +29,8 @@ class SafeAnglesSettings(SubjectSettings):
     most_polar: Annotated[float, Field(ge=0, le=85), tyro.conf.arg(metavar="DEG")] = 75.0
     """Largest angle of a view from the vertical [deg]; the poses spread evenly from 0 to there. Choice: lower ones look
     along the table."""
+    seed: Annotated[int, Field(ge=0)] = 0
+    """Number of the first pose, which sets angles and noise: another one continues the series."""
     distance: Annotated[Metres, tyro.conf.arg(metavar="M")] = 0.3
     """From the camera to the part's middle [m]."""
     frames: Annotated[int, Field(ge=1, le=100)] = 3

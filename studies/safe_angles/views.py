@@ -133,7 +133,7 @@ def _numbers(settings: SafeAnglesSettings) -> Sequence[int]:
     return range(settings.seed, settings.seed + settings.poses)
 
 
-def do_view(task: CaseTask[AnglesView]) -> None:
+def do_angles_view(task: CaseTask[AnglesView]) -> None:
     """For a worker: measure the view and write its folder."""
     write_case(task, counted_view)
 
