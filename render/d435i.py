@@ -27,7 +27,7 @@ from render.light.radiance import RadianceLayers, render_stereo, stop_at_first_s
 from render.light.sampling import Sampling
 from render.matcher.interface import StereoMatcher, Window
 from render.sensor import SensorSettings
-from render.world.mitsuba_scene import load_scene
+from render.world.mitsuba_scene import LoadedScene, load_scene
 from render.world.rig import Rig
 from render.world.seen_surfaces import seen_surfaces
 from render.world.truth import Truth, measure_truth
@@ -81,15 +81,17 @@ class SimulatedD435i:
         seed: int = 0,
         sampling: Sampling | None = None,
         matcher: StereoMatcher | None = None,
+        known: LoadedScene | None = None,
     ) -> None:
-        """Load the scene. sampling: see `Sampling`; matcher: any `StereoMatcher` instead of the one that is named."""
+        """Load the scene. sampling: see `Sampling`; matcher: any `StereoMatcher` instead of the one that is named;
+        known: a loaded scene whose geometry it may share."""
         self.settings = (settings or SensorSettings()).resolved()
         self._matcher = matcher or self.settings.stereo_matcher
         self._search_start = self.settings.rig.disparity_shift
         own_shift = getattr(self._matcher, "shift", 0)  # of a matcher of the caller's, which may have one
         self.rig: Rig = replace(self.settings.rig, disparity_shift=self._search_start + own_shift)
         self.scene = scene
-        self.world = load_scene(self._seen_scene)
+        self.world = load_scene(self._seen_scene, known)
         self._seed = seed
         self._sampling = sampling or Sampling()
         self._view: dict[bytes, StereoView] = {}

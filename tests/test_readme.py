@@ -16,7 +16,7 @@ TEXT = (ROOT / "README.md").read_text()
 
 def test_its_commands_and_links_exist():
     """Every `franbv X` is a command, every `make X` a target, every link into the repository a file or folder."""
-    named = set(re.findall(r"\bfranbv ([a-z]+)", TEXT))
+    named = set(re.findall(r"\bfranbv ([a-z-]+)", TEXT))
     assert named <= {name.split()[0] for name in COMMANDS}
     assert set(re.findall(r"\bfranbv ((?:study|dataset) [a-z]+)", TEXT)) <= set(COMMANDS)
     targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))

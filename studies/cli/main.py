@@ -18,6 +18,10 @@ COMMANDS = {
     "reconstruct": ("studies.cli.reconstruct", "Reconstruct a part view by view and report how it went."),
     "replay": ("studies.cli.replay", "Detect and plan on a recording, with no robot."),
     "calibrate hand-eye": ("studies.cli.calibrate", "Calibrate where the camera sits on the flange of an arm."),
+    "safe-angles": (
+        "studies.safe_angles.command",
+        "At which angles of incidence a material gives right depth: a card for each, a table for planners.",
+    ),
     "study sensitivity": (
         "studies.sensitivity.command",
         "Which materials and angles break the depth, the detector and the recovery.",

@@ -4,10 +4,11 @@ Everything that decides a case's result stands in its configuration, whose hash 
 on everything but the material, so it is a case of its own that all materials share.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
-from typing import Any
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -19,6 +20,7 @@ from materials.catalog import material
 from materials.material import Matte
 from render.d435i import SensorSettings, SimulatedD435i
 from render.light.sampling import Sampling
+from render.world.mitsuba_scene import LoadedScene, load_scene
 from scenes.build import COUPONS, coupon_scene, part_scene
 from scenes.coupons import plate_centre_height
 from scenes.part_materials import PartMaterials
@@ -80,14 +82,44 @@ class TwinConfig(Look):
         return f"matte twin of {self.subject}, {self.polar_deg:g} deg, {self.distance_m:g} m, seed {self.seed}"
 
 
-class CaseConfig(Look):
-    """All that decides the result of a case."""
+class LitCase(Look):
+    """All that decides what the sensor measures of a case, whatever is then made of it."""
 
+    kind: ClassVar[str]
+    """What the hash of its name calls it."""
     material: str
     """Name of the material; `own` for a part as it is."""
     lights: tuple[Light, ...]
     """Detection and recovery are measured under the first."""
     glossy_paths: int
+
+    @property
+    def twins(self) -> list[TwinConfig]:
+        """The twin of the subject in this material under each light."""
+        shared = {name: getattr(self, name) for name in Look.model_fields}
+        return [TwinConfig(**shared, light=light, material=self.stand_in) for light in self.lights]
+
+    @property
+    def stand_in(self) -> str:
+        """Material that the twin is made of: one for all that share it."""
+        return twin_material(self.material)
+
+    @property
+    def digest(self) -> str:
+        """Name of the case's folder."""
+        return case_digest(self.kind, self)
+
+    @property
+    def title(self) -> str:
+        """For people, short enough for a progress display."""
+        dots = "" if self.dot_fwhm_px is None else f", dots {self.dot_fwhm_px:g} px"
+        return f"{self.subject} {self.material}, {self.polar_deg:g} deg, {self.distance_m:g} m{dots}, seed {self.seed}"
+
+
+class CaseConfig(LitCase):
+    """All that decides the result of a case."""
+
+    kind: ClassVar[str] = CASE
     other_paths: int
     recovery: bool
     """Whether regions are recovered."""
@@ -95,22 +127,8 @@ class CaseConfig(Look):
     """Poses that are tried to learn what was possible."""
     parameters: Parameters
 
-    @property
-    def twins(self) -> list[TwinConfig]:
-        """The twin of the subject in this material under each light."""
-        shared = {name: getattr(self, name) for name in Look.model_fields}
-        return [TwinConfig(**shared, light=light, material=twin_material(self.material)) for light in self.lights]
 
-    @property
-    def digest(self) -> str:
-        """Name of the case's folder."""
-        return case_digest(CASE, self)
-
-    @property
-    def title(self) -> str:
-        """For people, short enough for a progress display."""
-        dots = "" if self.dot_fwhm_px is None else f", dots {self.dot_fwhm_px:g} px"
-        return f"{self.subject} {self.material}, {self.polar_deg:g} deg, {self.distance_m:g} m{dots}, seed {self.seed}"
+AnyCase = TypeVar("AnyCase", bound=LitCase)
 
 
 @dataclass(frozen=True)
@@ -156,6 +174,10 @@ def azimuth_deg(subject: str, seed: int) -> float:
     return round((FIRST_AZIMUTH_DEG + GOLDEN_ANGLE_DEG * seed) % 360, 6)
 
 
+SceneOf = Callable[[Look, str, Light], Scene]
+"""What makes the scene of a look, the subject of this material under this light; it is sent to workers."""
+
+
 def look_scene(look: Look, spec: str, light: Light) -> Scene:
     """The subject of this material on its table, under the lamps."""
     if look.subject in COUPONS:
@@ -174,7 +196,13 @@ def look_camera(look: Look, scene: Scene, light: Light, paths: int | None = None
     dots = {} if look.dot_fwhm_px is None else {"dot_fwhm_px": look.dot_fwhm_px}
     settings = look.sensor.model_copy(update={"imager": imager, **dots})
     sampling = Sampling() if paths is None else Sampling(**plain_paths(paths))
-    return SimulatedD435i(scene, settings, look.seed, sampling)
+    return SimulatedD435i(scene, settings, look.seed, sampling, known=_loaded(scene))
+
+
+@lru_cache(1)
+def _loaded(scene: Scene) -> LoadedScene:
+    """The scene that a worker looked at last: what its surfaces see of one another is found once for all its poses."""
+    return load_scene(scene)
 
 
 def plain_paths(paths: int) -> dict[str, Any]:

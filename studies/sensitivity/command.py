@@ -7,20 +7,18 @@ from typing import Annotated
 
 import tyro
 
-from studies.base.case_folder import finished_case
 from studies.base.console import say, say_json
 from studies.base.flags import parse
 from studies.base.inputs import check_not_overwritten
 from studies.base.output_errors import prepare_output
 from studies.run.scene_settings import preset_files, with_sensor_resolved
 from studies.run.stored_run import REPORT
-from studies.sensitivity.cases import CaseConfig, sweep_cases
-from studies.sensitivity.measurement import CASES, TWINS, CaseTask, TwinTask, case_maker, do_case, do_twin
+from studies.sensitivity.cases import sweep_cases
+from studies.sensitivity.measurement import do_case, measure_missing
 from studies.sensitivity.plan import PLAN, write_plan
 from studies.sensitivity.preset import SensitivityPreset
 from studies.sensitivity.tables import TABLES, gather_tables, study_summary, write_tables
-from studies.work.executor import Executor, WorkFlags, check_alike, executor_of, exit_status, reasons_once
-from studies.work.workers import Failure, Job
+from studies.work.executor import WorkFlags, executor_of, exit_status
 
 _PROGRAM = "franbv study sensitivity"
 _HELP = "Measure which materials and angles break the depth, the detector and the recovery, and why."
@@ -51,7 +49,7 @@ def run(args: list[str]) -> int:
     with executor_of(command.work) as executor:  # before anything is written
         prepare_output(command.out)
         plan = write_plan(command.out, preset.title, preset, [(case.sweep, case.config.digest) for case in wanted])
-        failures = measure(command.out, [case.config for case in wanted], executor)
+        failures = measure_missing(command.out, [case.config for case in wanted], do_case, executor, _PROGRAM)
     from studies.sensitivity.report.page import write_sensitivity_report
 
     tables = gather_tables(command.out, plan.cases)
@@ -62,20 +60,3 @@ def run(args: list[str]) -> int:
     if command.json:
         say_json(figures)
     return exit_status(failures)
-
-
-def measure(out: Path, configs: list[CaseConfig], executor: Executor) -> list[Failure]:
-    """Measure the cases that are not there yet, and the twins that they need."""
-    distinct = {config.digest: config for config in configs}
-    missing = [config for digest, config in distinct.items() if finished_case(out / CASES, digest) is None]
-    twins = {twin.digest: twin for config in missing for twin in config.twins}
-    needed = [twin for digest, twin in twins.items() if finished_case(out / TWINS, digest) is None]
-    stages = [
-        [Job(twin.title, do_twin, TwinTask(out, twin)) for twin in needed],
-        [Job(config.title, do_case, CaseTask(out, config)) for config in missing],
-    ]
-    if missing:
-        check_alike(
-            executor, out, [case_maker(out, digest) for digest in distinct if finished_case(out / CASES, digest)]
-        )
-    return executor.run(stages, len(distinct) - len(missing), reasons_once(_PROGRAM))

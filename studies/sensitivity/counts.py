@@ -6,14 +6,13 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, UInt8
 
-from materials.catalog import material
 from materials.material import RoughConductor
 from render.d435i import SimulatedD435i
 from render.labels.causes import HOLES, Cause, is_hole
 from render.labels.outcome import blocks
 from render.world.scene_geometry import NO_BODY
 from render.world.truth import Truth, looks_at_part
-from studies.sensitivity.cases import CaseConfig
+from studies.sensitivity.cases import LitCase
 from studies.sensitivity.columns import FALSE_DEPTHS, cause_column
 from studies.sensitivity.preset import OWN
 from studies.sensitivity.views import LitView
@@ -25,10 +24,10 @@ OUTLINE_PX = 9
 surface itself decides)."""
 
 
-def view_keys(config: CaseConfig, view: LitView) -> dict[str, Any]:
+def view_keys(config: LitCase, view: LitView) -> dict[str, Any]:
     """What the rows of a view begin with."""
     metal, _, finish = config.material.partition(":")
-    surface = None if config.material == OWN else material(config.material)
+    surface = None if config.material == OWN else view.camera.scene.part_bodies[0].material
     conductor = surface if isinstance(surface, RoughConductor) else None
     return {
         "case": config.digest,

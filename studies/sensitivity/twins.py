@@ -8,7 +8,7 @@ from jaxtyping import Bool
 from render.labels.outcome import Outcome
 from render.labels.twin import MatteTwin, measure_twin
 from studies.base.case_folder import finished_case, writing
-from studies.sensitivity.cases import TwinConfig, look_camera, look_pose, look_scene
+from studies.sensitivity.cases import SceneOf, TwinConfig, look_camera, look_pose, look_scene
 from studies.store.views import read_arrays, write_arrays
 
 OUTCOME_MAPS = ("invalid", "is_false", "invalid_decimated", "false_decimated")
@@ -17,18 +17,18 @@ OWN_MAPS = ("lost_to_shadow", "lost_to_exposure")
 TWIN_FILE = "twin.npz"
 
 
-def make_twin(folder: Path, config: TwinConfig) -> None:
+def make_twin(folder: Path, config: TwinConfig, scene_of: SceneOf = look_scene) -> None:
     """Measure the twin and write its case below `folder`."""
-    scene = look_scene(config, config.material, config.light)
+    scene = scene_of(config, config.material, config.light)
     camera = look_camera(config, scene, config.light)
     with writing(folder, config.digest) as case:
         write_twin(case / TWIN_FILE, measure_twin(camera, look_pose(config, scene), config.n_frames))
 
 
-def stored_twin(folder: Path, config: TwinConfig) -> MatteTwin:
+def stored_twin(folder: Path, config: TwinConfig, scene_of: SceneOf = look_scene) -> MatteTwin:
     """The twin below `folder`; measured now if it is not there yet."""
     if finished_case(folder, config.digest) is None:
-        make_twin(folder, config)
+        make_twin(folder, config, scene_of)
     return read_twin(folder / config.digest / TWIN_FILE)
 
 

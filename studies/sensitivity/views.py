@@ -12,7 +12,7 @@ from render.labels.labels import Labels, label_frame
 from render.light.radiance import RadianceLayers
 from render.world.truth import Truth
 from scenes.scene import Lamp, Scene
-from studies.sensitivity.cases import CaseConfig, look_camera, look_pose, look_scene
+from studies.sensitivity.cases import LitCase, SceneOf, look_camera, look_pose, look_scene
 from studies.sensitivity.preset import Light
 from studies.sensitivity.twins import stored_twin
 
@@ -30,23 +30,23 @@ class LitView:
     labels: Labels
 
 
-def lit_views(config: CaseConfig, twins: Path) -> Iterator[LitView]:
+def lit_views(config: LitCase, twins: Path, scene_of: SceneOf = look_scene) -> Iterator[LitView]:
     """The case under each light in turn. The pose is rendered anew only for lamps that stand elsewhere.
 
     twins: folder of the matte twins.
     """
-    first_scene = look_scene(config, config.material, config.lights[0])
+    first_scene = scene_of(config, config.material, config.lights[0])
     pose = look_pose(config, first_scene)
     first: LayerPair | None = None
     truth: Truth | None = None
     for light, twin in zip(config.lights, config.twins, strict=True):
-        scene = look_scene(config, config.material, light)
+        scene = scene_of(config, config.material, light)
         camera = look_camera(config, scene, light, config.glossy_paths)
         layers = _layers(camera, pose, first, ambient_scale(first_scene, scene))
         first = first or layers
         truth = truth or camera.truth(pose)
         measurement = camera.expose(pose, *layers, config.n_frames)
-        labels = label_frame(camera, pose, measurement, stored_twin(twins, twin), truth)
+        labels = label_frame(camera, pose, measurement, stored_twin(twins, twin, scene_of), truth)
         yield LitView(light, camera, measurement, truth, labels)
 
 

@@ -1,0 +1,1 @@
+"""What is known of a part's surfaces before they are looked at."""

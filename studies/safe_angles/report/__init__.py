@@ -1,0 +1,1 @@
+"""The page of safe angles: a card per material."""
