@@ -93,7 +93,11 @@ class Study:
         dear = setting_combinations(preset, [name for name in preset.settings if name not in RESCORED])
         numbers = range(len(cheap)) if not preset.run_risks else self._finalists(views)
         chosen = [(k, {**cheap[k], **more}) for k in numbers for more in dear]
-        return tuple(Setting(values, with_setting(preset, values), k) for k, values in chosen)
+        return tuple(self.setting(values, k) for k, values in chosen)
+
+    def setting(self, values: dict[str, Any], view_setting: int) -> Setting:
+        """One of those that are chosen among, by what it sets and its number in the views' grid."""
+        return Setting(values, with_setting(self.preset, values), view_setting)
 
     def _finalists(self, views: dict[str, Float[np.ndarray, "_ k"]]) -> list[int]:
         """By the learning views alone: those whose worst risk is farthest within its level, then what is preferred."""
