@@ -12,7 +12,7 @@ from scipy.stats import binomtest
 
 from studies.base.atomic_file import write_atomically
 from studies.base.console import strict_json
-from studies.thresholds.choose import Choice, Repetitions, exceeded
+from studies.thresholds.choose import Choice, Repetitions, exceeded, known_mean
 from studies.thresholds.config import RISK_MEANINGS, VIEW_RISKS, Bearable
 from studies.thresholds.draw import run_draw, view_draw
 from studies.thresholds.score import read_scores
@@ -156,7 +156,9 @@ def certificate_of(study: Study, evidence: DrawnEvidence, choice: Choice, repeti
 
 def least_beyond(flags: Mapping[str, Float[np.ndarray, "_ k"]], risks: Mapping[str, Bearable]) -> int:
     """The setting whose worst risk is least beyond its level, by all draws."""
-    return int(np.argmin(np.max([np.nanmean(flags[name], axis=0) / risks[name].level for name in risks], axis=0)))
+    return int(
+        np.argmin(np.max([np.nan_to_num(known_mean(flags[name])) / risks[name].level for name in risks], axis=0))
+    )
 
 
 def promise(name: str, bearable: Bearable, flags: Float[np.ndarray, "n"]) -> Promise:
@@ -243,4 +245,4 @@ def write_certificate(out: Path, certificate: Certificate, more: Mapping[str, An
 
 def means(evidence: DrawnEvidence, names: Sequence[str]) -> dict[str, Float[np.ndarray, "k"]]:
     """Mean number of each risk by setting, over the draws that say something."""
-    return {name: np.nanmean(evidence.scores[name], axis=0) for name in names}
+    return {name: known_mean(evidence.scores[name]) for name in names}

@@ -61,6 +61,14 @@ def exceeded(scores: Scores, risks: Mapping[str, Bearable]) -> dict[str, Float[n
     return found
 
 
+def known_mean(numbers: Float[np.ndarray, "_ k"]) -> Float[np.ndarray, "k"]:
+    """Mean over the draws that say something; NaN where none does."""
+    known = ~np.isnan(numbers)
+    n = known.sum(axis=0)
+    total = np.where(known, numbers, 0.0).sum(axis=0)
+    return np.divide(total, n, out=np.full(n.shape, np.nan), where=n > 0)
+
+
 def check_budget(n_draws: Mapping[str, int], risks: Mapping[str, Bearable], budget: Budget, confidence: float) -> None:
     """InputError where no outcome of that many draws could certify a level. n_draws: of all, by risk."""
     for name, bearable in risks.items():
@@ -99,11 +107,11 @@ def choose_setting(
     prefer: name of the numbers whose mean over the learning draws decides among certified settings, the lower the
     better, and among naive ones likewise.
     """
-    costs = np.nanmean(scores[prefer][learn[prefer]], axis=0)
+    costs = np.nan_to_num(known_mean(scores[prefer][learn[prefer]]))  # of a domain without holes nothing is missed
     flags, levels = exceeded(scores, risks), {name: bearable.level for name, bearable in risks.items()}
     learned, tested = ({name: flags[name][rows[name]] for name in risks} for rows in (learn, test))
     valid = certified(learned, tested, levels, confidence)
-    beyond = np.stack([np.nanmean(tested[name], axis=0) - levels[name] for name in risks])
+    beyond = np.stack([known_mean(tested[name]) - levels[name] for name in risks])
     within = np.flatnonzero((beyond <= 0).all(axis=0))
     return Choice(valid, _cheapest(valid, costs), _cheapest(within.tolist(), costs))
 
@@ -152,5 +160,4 @@ def breaks(
     """Whether a setting exceeds any level on these draws; no setting breaks nothing."""
     if setting is None:
         return False
-    shares = {name: flags[name][rows[name], setting] for name in risks}
-    return any(float(np.nanmean(shares[name])) > risks[name].level for name in risks)
+    return any(float(known_mean(flags[name][rows[name]])[setting]) > risks[name].level for name in risks)

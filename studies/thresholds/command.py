@@ -149,7 +149,10 @@ def evaluate_thresholds(study: Study, failures: list[Failure], wall_s: float) ->
         raise InputError(f"{study.out}: no view could be drawn; mend what is said above, and give the command again")
     views = study.view_scores()
     evidence = study.evidence(views, study.settings(views))
-    choice, repetitions = chosen_of(study, evidence), repetitions_of(study, evidence)
+    try:
+        choice, repetitions = chosen_of(study, evidence), repetitions_of(study, evidence)
+    except ValueError as error:  # of a risk too few draws say anything
+        raise InputError(f"{study.out}: {error}") from error
     certificate = certificate_of(study, evidence, choice, repetitions)
     tasks = study.run_tasks([evidence.settings[certificate.shown]])
     watched = cell_reference([case for task in tasks if (case := task.case)], study.preset.seed)

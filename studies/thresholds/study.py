@@ -16,6 +16,7 @@ from studies.thresholds.choose import (
     Repetitions,
     choose_setting,
     exceeded,
+    known_mean,
     repeated,
     split,
 )
@@ -107,9 +108,9 @@ class Study:
         beyond = np.zeros(n_settings)
         if risks:
             flags = exceeded({name: views[name][learn] for name in risks}, risks)
-            beyond = np.max([np.nanmean(flags[name], axis=0) / risks[name].level for name in risks], axis=0)
+            beyond = np.max([np.nan_to_num(known_mean(flags[name])) / risks[name].level for name in risks], axis=0)
         prefer = self.preset.prefer if self.preset.prefer in VIEW_RISKS else VIEW_RISKS[1]
-        cost = np.nanmean(views[prefer][learn], axis=0)
+        cost = np.nan_to_num(known_mean(views[prefer][learn]))
         order = sorted(range(n_settings), key=lambda k: (max(beyond[k], WELL_WITHIN), cost[k], beyond[k], k))
         return order[: self.preset.budget.finalists]
 

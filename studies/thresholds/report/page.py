@@ -10,7 +10,7 @@ from studies.drawing.templates import environment, page_style
 from studies.run.report.page import flattened
 from studies.sensitivity.trust import spoken
 from studies.thresholds.certificate import FEWEST_IN_CELL, Certificate, Combination, Promise, means
-from studies.thresholds.choose import exceeded
+from studies.thresholds.choose import exceeded, known_mean
 from studies.thresholds.config import RISK_MEANINGS, RUN_RISKS, VIEW_RISKS, Bearable
 from studies.thresholds.report.tradeoff_figure import Dot, tradeoff_figure
 from studies.work.workers import Failure
@@ -82,7 +82,7 @@ def charts(certificate: Certificate) -> list[tuple[str, Markup]]:
     scores, settings = certificate.evidence.scores, certificate.evidence.settings
     views = means(certificate.evidence, VIEW_RISKS)
     any_false = exceeded({"false_recoveries": scores["false_recoveries"]}, {"false_recoveries": NO_FALSE_REGION})
-    x, y = 1 - views["missed_reflective_area"], np.nanmean(any_false["false_recoveries"], axis=0)
+    x, y = 1 - views["missed_reflective_area"], known_mean(any_false["false_recoveries"])
     words = [
         f"{_words(s.values)}: finds {100 * a:.0f} % of the reflective holes, false in {100 * b:.0f} % of the views"
         for s, a, b in zip(settings, x, y, strict=True)

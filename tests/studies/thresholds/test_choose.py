@@ -12,6 +12,7 @@ from studies.thresholds.choose import (
     check_budget,
     choose_setting,
     exceeded,
+    known_mean,
     repeated,
     split,
 )
@@ -116,6 +117,18 @@ def test_the_choice():
         scores, {**RISKS, "false_recoveries": Bearable(most=0, level=0.02)}, "missed_reflective_area", *rows, 0.9
     )
     assert (none.certified, none.chosen, none.naive) == ((), None, None)
+
+
+def test_a_domain_without_holes():
+    """Of matte parts nothing is missed, so that what is preferred tells no setting from another; without a warning the
+    first certified one is taken, and a mean of nothing is nothing."""
+    rng = np.random.default_rng(6)
+    scores = drawn(rng, 700) | {"missed_reflective_area": np.full((700, 5), np.nan)}
+    rows = [dict.fromkeys(scores, part) for part in (np.arange(250), np.arange(250, 700))]
+    one = {"false_depth_believed": RISKS["false_depth_believed"]}
+    choice = choose_setting(scores, one, "missed_reflective_area", *rows, 0.9)
+    assert choice.chosen == min(choice.certified)
+    np.testing.assert_array_equal(known_mean(np.array([[1.0, np.nan], [2.0, np.nan]])), [1.5, np.nan])
 
 
 def test_repetitions_count_what_is_wrong():
