@@ -19,7 +19,7 @@ ROUNDING = 0.1 + 1e-9
 def test_its_commands_can_be_given():
     """Presets, ablations and links by names that there are."""
     commands = re.findall(r"^    franbv study comparison (.*?)(?:\s+#.*)?$", TEXT, re.MULTILINE)
-    assert len(commands) == 3
+    assert len(commands) == 4
     for command in commands:
         given = parse(ComparisonCommand, command.split(), "franbv study comparison", "")
         assert given.preset in ComparisonPreset.of_ours()
