@@ -196,11 +196,11 @@ def look_camera(look: Look, scene: Scene, light: Light, paths: int | None = None
     dots = {} if look.dot_fwhm_px is None else {"dot_fwhm_px": look.dot_fwhm_px}
     settings = look.sensor.model_copy(update={"imager": imager, **dots})
     sampling = Sampling() if paths is None else Sampling(**plain_paths(paths))
-    return SimulatedD435i(scene, settings, look.seed, sampling, known=_loaded(scene))
+    return SimulatedD435i(scene, settings, look.seed, sampling, known=loaded_scene(scene))
 
 
 @lru_cache(1)
-def _loaded(scene: Scene) -> LoadedScene:
+def loaded_scene(scene: Scene) -> LoadedScene:
     """The scene that a worker looked at last: what its surfaces see of one another is found once for all its poses."""
     return load_scene(scene)
 
@@ -214,11 +214,18 @@ def look_pose(look: Look, scene: Scene) -> RigidTransform:
     """Pose T_world_cam: at the polar angle, azimuth and distance from the subject's middle, looking at it, turned as
     the sensor's mount has it."""
     middle = subject_middle(look.subject, scene)
-    polar, azimuth = np.radians([look.polar_deg, look.azimuth_deg])
+    return pose_around(middle, look.polar_deg, look.azimuth_deg, look.distance_m, look.sensor.mount_roll_deg)
+
+
+def pose_around(
+    middle: Float[np.ndarray, "3"], polar_deg: float, azimuth_deg: float, distance_m: float, roll_deg: float
+) -> RigidTransform:
+    """T_world_cam that looks at a point [m] from this distance and side; angles from the vertical and from world x."""
+    polar, azimuth = np.radians([polar_deg, azimuth_deg])
     outward = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
-    eye = middle + look.distance_m * (np.sin(polar) * outward + [0.0, 0.0, np.cos(polar)])
+    eye = middle + distance_m * (np.sin(polar) * outward + [0.0, 0.0, np.cos(polar)])
     # Straight down there is no upright: the image's top then points where it points at every other polar angle.
-    return rolled(look_at(eye, middle, -outward if look.polar_deg == 0 else None), look.sensor.mount_roll_deg)
+    return rolled(look_at(eye, middle, -outward if polar_deg == 0 else None), roll_deg)
 
 
 def subject_middle(subject: str, scene: Scene) -> Float[np.ndarray, "3"]:

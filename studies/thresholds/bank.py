@@ -7,6 +7,7 @@ under a mismatch (`studies.thresholds.stress`) stand in a folder beside `views` 
 
 import json
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -21,11 +22,13 @@ from render.labels.causes import is_of
 from render.labels.labels import label_frame
 from render.labels.outcome import INVALID_SHARE, blocks, is_false_depth, perfect_blocks
 from render.light.sampling import Sampling
+from render.world.mitsuba_scene import LoadedScene
 from render.world.truth import looks_at_part
 from scenes.scene import Scene
 from studies.base.case_folder import case_digest
 from studies.base.config import Config
-from studies.run.scene_settings import build_subject, resolved
+from studies.run.scene_settings import SubjectSettings, build_subject, resolved
+from studies.sensitivity.cases import loaded_scene
 from studies.store.views import camera_vector, read_arrays, write_arrays
 from studies.thresholds.config import Domain
 from studies.thresholds.draw import DomainView, subject_settings, view_draw, view_pose
@@ -37,6 +40,9 @@ BANK_NAME = "thresholds bank 1"
 """What the hash of a bank calls it; the number rises when a view comes to hold something else."""
 SAMPLING = Sampling(glossy_paths=16, refined_share=0.0, indirect_directions=64)
 """Choice: that of datasets, whose pictures differ from the sensor's own by less than its noise."""
+
+STRETCH = 120
+"""Views that are sorted by scene before the next ones are begun (choice)."""
 
 
 class BankSettings(Config):
@@ -123,10 +129,11 @@ def do_view(task: ViewTask) -> bool:
         return True
     domain, stress = task.settings.domain, stress_of(task.stress)
     draw = view_draw(domain, task.settings.seed, task.number)
-    scene = build_subject(subject_settings(domain, draw)).scene
+    scene = _scene(subject_settings(domain, draw).model_copy(update={"seed": 0}).model_dump_json())
     if not stress.applies(scene):
         return False
-    view = banked_view(draw, stress.scene(scene), stress.sensor(domain.sensor), task.settings.n_frames)
+    sensor, known = stress.sensor(domain.sensor), loaded_scene(scene)
+    view = banked_view(draw, stress.scene(scene), sensor, task.settings.n_frames, known)
     facts = np.frombuffer(json.dumps(draw.model_dump(mode="json")).encode(), np.uint8)
     task.file.parent.mkdir(parents=True, exist_ok=True)
     write_arrays(
@@ -135,9 +142,17 @@ def do_view(task: ViewTask) -> bool:
     return True
 
 
-def banked_view(draw: DomainView, scene: Scene, sensor: SensorSettings, n_frames: int) -> BankedView:
-    """Render and label one view of a scene."""
-    camera = SimulatedD435i(scene, sensor, draw.seed, SAMPLING)
+@lru_cache(1)
+def _scene(subject: str) -> Scene:
+    """Of the subject that a worker looked at last; `drawn_alike` puts its views one after the other."""
+    return build_subject(SubjectSettings.model_validate_json(subject)).scene
+
+
+def banked_view(
+    draw: DomainView, scene: Scene, sensor: SensorSettings, n_frames: int, known: LoadedScene | None = None
+) -> BankedView:
+    """Render and label one view of a scene. known: a loaded scene whose geometry it may share."""
+    camera = SimulatedD435i(scene, sensor, draw.seed, SAMPLING, known=known)
     pose = view_pose(draw, scene, sensor.mount_roll_deg)
     truth = camera.truth(pose)
     measurement = camera.expose(pose, *camera.render(pose), n_frames)
@@ -151,6 +166,13 @@ def banked_view(draw: DomainView, scene: Scene, sensor: SensorSettings, n_frames
         median_depth(perfect_blocks(camera, measurement.z16, truth.depth), INVALID_SHARE),
         np.array(camera.rig.focal_baseline),
     )
+
+
+def drawn_alike(task: ViewTask) -> tuple[object, ...]:
+    """To sort views by: those of one scene one after the other within a stretch, so that what its surfaces see of one
+    another is found once (a third of the time); what was drawn of an unfinished bank still is a fair sample."""
+    draw = view_draw(task.settings.domain, task.settings.seed, task.number)
+    return task.number // STRETCH, task.stress == "lamp_moved", draw.part, draw.lamps, draw.material, task.number
 
 
 def read_banked_view(task: ViewTask) -> tuple[DomainView, BankedView]:

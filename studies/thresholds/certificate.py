@@ -91,7 +91,7 @@ def stressed(study: Study, setting: Setting) -> tuple[Stressed, ...]:
     risks = {name: study.preset.risks[name] for name in study.preset.view_risks}
     rows = []
     for name, tasks in study.stress_tasks(setting).items():
-        found = [read_scores(task) for task in tasks if task.file.exists()]
+        found = [read_scores(task).risks for task in tasks if task.file.exists()]
         if found:
             numbers = {risk: np.stack(found)[:, :, VIEW_RISKS.index(risk)] for risk in risks}
             flags = exceeded(numbers, risks)

@@ -1,5 +1,6 @@
 """`franbv study thresholds`: settings with a guarantee for declared parts, and a certificate that says what it is."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -16,7 +17,7 @@ from studies.base.output_errors import prepare_output
 from studies.base.stored_preset import read_preset_file
 from studies.run.batch import stored_outcome
 from studies.run.scene_settings import build_subject, preset_files, with_sensor_resolved
-from studies.thresholds.bank import BANK, replace_part
+from studies.thresholds.bank import BANK, drawn_alike, replace_part
 from studies.thresholds.certificate import (
     CERTIFICATE,
     SETTINGS_FILE,
@@ -32,7 +33,7 @@ from studies.thresholds.config import VIEW_RISKS, ThresholdsPreset
 from studies.thresholds.draw import subject_settings, view_draw
 from studies.thresholds.reconstructions import cell_reference, do_run_draw
 from studies.thresholds.reference import MONITOR, monitor_object
-from studies.thresholds.score import do_score
+from studies.thresholds.score import ScoreTask, do_score
 from studies.thresholds.study import Study, chosen_of, repetitions_of
 from studies.work.executor import Executor, WorkFlags, check_alike, executor_of, exit_status, reasons_once
 from studies.work.study_clock import StudyClock
@@ -120,7 +121,7 @@ def check_scenes(preset: ThresholdsPreset) -> None:
 def draw_all(study: Study, executor: Executor) -> list[Failure]:
     """Views first, then the reconstructions of the finalists that the views name."""
     tasks, tell = study.view_tasks, reasons_once(_PROGRAM)
-    missing = [Job(task.view.title, do_score, task) for task in tasks if not task.file.exists()]
+    missing = _missing(tasks)
     if missing:
         check_alike(executor, study.out)
     failures = executor.run([missing], len(tasks) - len(missing), tell)
@@ -137,8 +138,14 @@ def draw_stressed(study: Study, executor: Executor) -> list[Failure]:
     evidence = study.evidence(views, study.settings(views))
     shown = shown_setting(study, evidence, chosen_of(study, evidence))
     tasks = [task for row in study.stress_tasks(evidence.settings[shown]).values() for task in row]
-    missing = [Job(task.view.title, do_score, task) for task in tasks if not task.file.exists()]
+    missing = _missing(tasks)
     return executor.run([missing], len(tasks) - len(missing), reasons_once(_PROGRAM)) if missing else []
+
+
+def _missing(tasks: Sequence[ScoreTask]) -> list[Job]:
+    """What is to be drawn or scored, in an order that is quick."""
+    missing = sorted((task for task in tasks if not task.file.exists()), key=lambda task: drawn_alike(task.view))
+    return [Job(task.view.title, do_score, task) for task in missing]
 
 
 def evaluate_thresholds(study: Study, failures: list[Failure], wall_s: float) -> tuple[Certificate, dict[str, Any]]:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
-from franbv.frames import look_at, rolled
 from franbv.parameters import Parameters
 from scenes.reference_points import part_box
 from scenes.scene import Scene
@@ -16,6 +15,7 @@ from studies.base.config import Config
 from studies.dataset.draw.weighted_draw import pick
 from studies.run.reconstruct import ReconstructSettings
 from studies.run.scene_settings import SubjectSettings, mounted, on_bench
+from studies.sensitivity.cases import pose_around
 from studies.sensitivity.preset import OWN
 from studies.thresholds.config import Domain
 
@@ -114,8 +114,4 @@ def drawn_run(domain: Domain, draw: RunDraw, parameters: Parameters) -> Reconstr
 
 def view_pose(draw: DomainView, scene: Scene, roll_deg: float) -> RigidTransform:
     """T_world_cam [m] of a view, the camera turned by the mount's roll."""
-    middle = part_box(scene).mean(axis=0)
-    polar, azimuth = np.radians([draw.polar_deg, draw.azimuth_deg])
-    outward = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
-    eye = middle + draw.distance_m * (np.sin(polar) * outward + [0.0, 0.0, np.cos(polar)])
-    return rolled(look_at(eye, middle, -outward if draw.polar_deg == 0 else None), roll_deg)
+    return pose_around(part_box(scene).mean(axis=0), draw.polar_deg, draw.azimuth_deg, draw.distance_m, roll_deg)

@@ -4,7 +4,7 @@ The probability of a false alarm is shared out evenly over the signals, so that 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,8 +60,22 @@ def monitored(
     false_alarms: probability that runs of the declared domain, however many, ever raise any alarm; tolerance: what a
     signal's share may rise by [-].
     """
+    heard = listened(reference, runs, false_alarms, tolerance)
     each = false_alarms / len(reference.signals)
-    return tuple(_monitored(name, signal, runs, each, tolerance) for name, signal in reference.signals.items())
+    return tuple(_looked_ahead(one, each, tolerance) for one in heard)
+
+
+def listened(
+    reference: MonitorReference, runs: Sequence[Observed], false_alarms: float, tolerance: float
+) -> tuple[MonitoredSignal, ...]:
+    """The same without looking ahead: `more` is None."""
+    each = false_alarms / len(reference.signals)
+    found = []
+    for name, signal in reference.signals.items():
+        answers, of_runs = answers_of(runs, name, signal.limit)
+        held = watched(signal.array, np.array(answers, bool), each, tolerance)
+        found.append(MonitoredSignal(name, signal, answers, of_runs, held, None))
+    return tuple(found)
 
 
 def first_alarm(signals: Sequence[MonitoredSignal]) -> MonitoredSignal | None:
@@ -87,11 +101,8 @@ def runs_to_notice(
     return None
 
 
-def _monitored(
-    name: SignalName, signal: SignalReference, runs: Sequence[Observed], false_alarms: float, tolerance: float
-) -> MonitoredSignal:
-    answers, of_runs = answers_of(runs, name, signal.limit)
-    found = watched(signal.array, np.array(answers, bool), false_alarms, tolerance)
-    goes_on = found.alarm is None and found.limit < 1
-    more = runs_to_notice(signal, answers, false_alarms, tolerance) if goes_on else None
-    return MonitoredSignal(name, signal, answers, of_runs, found, more)
+def _looked_ahead(signal: MonitoredSignal, false_alarms: float, tolerance: float) -> MonitoredSignal:
+    """With the further runs that would raise the alarm, where there is none and there may be one."""
+    if signal.alarm_at is not None or not signal.can_alarm:
+        return signal
+    return replace(signal, more=runs_to_notice(signal.reference, signal.answers, false_alarms, tolerance))

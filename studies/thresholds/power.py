@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from studies.thresholds.reference import MonitorReference, answers_of
-from studies.thresholds.risk_control import watched
+from studies.thresholds.monitor import first_alarm, listened
+from studies.thresholds.reference import MonitorReference
 from studies.thresholds.signals import Observed
 
 N_STREAMS = 200
@@ -64,10 +64,5 @@ def _drawn(runs: Sequence[Observed], count: int, rng: np.random.Generator) -> li
 
 def _alarm(reference: MonitorReference, runs: Sequence[Observed], false_alarms: float, tolerance: float) -> int | None:
     """Number of the run at which the first alarm is raised."""
-    raised = []
-    for name, signal in reference.signals.items():
-        answers, of_runs = answers_of(runs, name, signal.limit)
-        each = false_alarms / len(reference.signals)
-        alarm = watched(signal.array, np.array(answers, bool), each, tolerance).alarm
-        raised += [] if alarm is None else [of_runs[alarm]]
-    return min(raised, default=None)
+    first = first_alarm(listened(reference, runs, false_alarms, tolerance))
+    return None if first is None else first.alarm_at

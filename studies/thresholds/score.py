@@ -28,7 +28,7 @@ LEAST_HOLE_PX = 5
 that the default clustering keeps)."""
 MOSTLY = 0.5
 """Share of a region's pixels that must be reflective holes for it to be no false one (choice: more than half)."""
-SCORES, SCORES_NAME = "scores", "thresholds scores 1"
+SCORES, SCORES_NAME = "scores", "thresholds scores 2"
 """Folder of the scores in a bank's, and what the hash of a grid calls it; the number rises when a score comes to mean
 something else."""
 
@@ -57,6 +57,16 @@ class ScoreTask:
         return self.view.folder / SCORES / self.view.stress / self.grid.name / f"{self.view.number:06d}.npz"
 
 
+@dataclass(frozen=True, eq=False)
+class ViewScores:
+    """What a view says under each setting."""
+
+    risks: Float[np.ndarray, "k 3"]
+    """The numbers of VIEW_RISKS; NaN where the view says nothing of one."""
+    pixels: Int[np.ndarray, "k 3"]
+    """Pixels in regions that are reflective holes, pixels in regions, and reflective holes."""
+
+
 def setting_combinations(preset: ThresholdsPreset, names: Sequence[str]) -> list[dict[str, Any]]:
     """Every combination of the stated values of these parameters."""
     chosen = {name: values for name, values in preset.settings.items() if name in names}
@@ -80,22 +90,27 @@ def do_score(task: ScoreTask) -> None:
     """For a worker: the view drawn and scored, unless it is; NaN where there is no such view."""
     if task.file.exists():
         return
-    found = np.full((len(task.grid.settings), len(VIEW_RISKS)), np.nan)
+    found = unseen(len(task.grid.settings))
     if do_view(task.view):
         draw, view = read_banked_view(task.view)
         found = scored(view, task.grid.settings, draw.seed)
     task.file.parent.mkdir(parents=True, exist_ok=True)
-    write_arrays(task.file, {"scores": found})
+    write_arrays(task.file, vars(found))
 
 
-def read_scores(task: ScoreTask) -> Float[np.ndarray, "k 3"]:
-    """Of a view by setting and VIEW_RISKS."""
-    return read_arrays(task.file)["scores"]
+def read_scores(task: ScoreTask) -> ViewScores:
+    """Of a view."""
+    return ViewScores(**read_arrays(task.file))
 
 
-def scored(view: BankedView, settings: Sequence[Parameters], seed: int) -> Float[np.ndarray, "k 3"]:
-    """The numbers of VIEW_RISKS under each setting; NaN where the view says nothing of a risk."""
-    found = np.full((len(settings), len(VIEW_RISKS)), np.nan)
+def unseen(n_settings: int) -> ViewScores:
+    """Where there is no view."""
+    return ViewScores(np.full((n_settings, len(VIEW_RISKS)), np.nan), np.zeros((n_settings, 3), int))
+
+
+def scored(view: BankedView, settings: Sequence[Parameters], seed: int) -> ViewScores:
+    """The view under each setting."""
+    found = unseen(len(settings))
     for numbers, parameters in _alike_but_for_clusters(settings):
         burst = view.burst(parameters.n_frames)
         detection = first_look(burst, parameters, seed).detection
@@ -103,7 +118,8 @@ def scored(view: BankedView, settings: Sequence[Parameters], seed: int) -> Float
         believed = false_depth_share(view, depth)
         for number in numbers:
             labels, _ = group_into_boxes(detection.points, settings[number])
-            found[number] = (*region_scores(view, detection.pixels, labels, settings[number]), believed)
+            found.risks[number] = (*region_scores(view, detection.pixels, labels, settings[number]), believed)
+            found.pixels[number] = region_pixels(view, detection.pixels, labels)
     return found
 
 
@@ -132,6 +148,14 @@ def region_scores(
     if n_true < LEAST_HOLE_PX:
         return float(false), np.nan
     return float(false), 1 - float((right & (labels >= 0)).sum()) / n_true
+
+
+def region_pixels(
+    view: BankedView, pixels: Int[np.ndarray, "n 2"], labels: Int[np.ndarray, "n"]
+) -> tuple[int, int, int]:
+    """Pixels in regions that are reflective holes, pixels in regions, and reflective holes."""
+    u, v = pixels[labels >= 0].T
+    return int(view.reflective[v, u].sum()), len(u), int(view.reflective.sum())
 
 
 def false_depth_share(view: BankedView, depth: Float[np.ndarray, "h w"]) -> float:

@@ -78,8 +78,12 @@ class Study:
 
     def view_scores(self) -> dict[str, Float[np.ndarray, "_ k"]]:
         """Of the finished views, by risk and setting of the grid."""
-        found = np.stack([read_scores(task) for task in self.view_tasks if task.file.exists()])
+        found = np.stack([read_scores(task).risks for task in self.view_tasks if task.file.exists()])
         return {name: found[:, :, k] for k, name in enumerate(VIEW_RISKS)}
+
+    def region_pixels(self) -> Int[np.ndarray, "k 3"]:
+        """Sums over the finished views of `ViewScores.pixels`, by setting of the grid."""
+        return np.sum([read_scores(task).pixels for task in self.view_tasks if task.file.exists()], axis=0)
 
     def dealt(self, n: int) -> tuple[Int[np.ndarray, "_"], Int[np.ndarray, "_"]]:
         """Numbers of n draws: those that the order is learned on, and those that certify."""

@@ -17,7 +17,7 @@ from studies.thresholds.choose import (
     split,
 )
 from studies.thresholds.config import Bearable, Budget
-from studies.thresholds.score import false_depth_share, region_scores, scored
+from studies.thresholds.score import false_depth_share, region_pixels, region_scores, scored
 from tests.studies.thresholds.made_up_bank import made_up_view
 from tests.studies.thresholds.made_up_study import STUDY
 
@@ -44,6 +44,8 @@ def test_scores_by_hand(view: BankedView):
     assert region_scores(view, pixels, labels, Parameters()) == (0.0, pytest.approx(0.5))
     assert region_scores(view, pixels, labels, Parameters(regions_recovered="all")) == (1.0, pytest.approx(0.5))
     assert region_scores(view, pixels, 1 - labels, Parameters())[0] == 1.0
+    assert region_pixels(view, pixels, labels) == (3, 6, 6)
+    assert region_pixels(view, pixels, np.where(labels == 1, -1, labels)) == (3, 4, 6)
     nothing = region_scores(view, np.zeros((0, 2), int), np.zeros(0, int), Parameters())
     assert nothing == (0.0, 1.0)
     assert false_depth_share(view, view.depths[0]) == pytest.approx(1 / 6)  # of 12 pixels of the part 6 have depth
@@ -59,8 +61,8 @@ def test_settings_scored_together_or_alone():
     """Sharing the map among settings that cluster differently changes no number; the mirroring ball is found."""
     view = made_up_view(STUDY.bank, 3)
     settings = STUDY.grid.settings
-    together = scored(view, settings, 7)
-    alone = np.concatenate([scored(view, [parameters], 7) for parameters in settings])
+    together = scored(view, settings, 7).risks
+    alone = np.concatenate([scored(view, [parameters], 7).risks for parameters in settings])
     np.testing.assert_array_equal(together, alone)
     assert together[0, 0] == 0
     assert together[0, 1] < 0.9
