@@ -42,6 +42,8 @@ class View:
 
 Filter = Callable[[View], Bool[np.ndarray, "h w"]]
 """Which pixels may be reflective."""
+BoxOf = Callable[[Float[np.ndarray, "n 3"], float], OrientedBox]
+"""(points [m], shortest side [m]) -> box around them."""
 Locate = Callable[[View, Bool[np.ndarray, "h w"]], Float[np.ndarray, "n 3"]]
 """World points [m] of the given pixels, row by row; NaN for those that are refused."""
 
@@ -185,17 +187,17 @@ def detect_reflective_regions(
 
 
 def group_into_boxes(
-    points: Float[np.ndarray, "n 3"], parameters: Parameters
+    points: Float[np.ndarray, "n 3"], parameters: Parameters, box_of: BoxOf = oriented_box
 ) -> tuple[Int[np.ndarray, "n"], tuple[OrientedBox, ...]]:
     """Box index of each point (-1 = noise) and the boxes around the DBSCAN clusters, largest volume first.
 
-    No side of a box is shorter than a voxel, so that a flat region has a volume.
+    No side of a box is shorter than a voxel, so that a flat region has a volume. box_of: makes the boxes.
     """
     if len(points) == 0:
         return np.zeros(0, int), ()
     radius = parameters.cluster_radius_voxels * parameters.voxel_size
     clusters = DBSCAN(eps=radius, min_samples=parameters.cluster_min_samples).fit_predict(points)
-    boxes = [oriented_box(points[clusters == k], parameters.voxel_size) for k in range(clusters.max() + 1)]
+    boxes = [box_of(points[clusters == k], parameters.voxel_size) for k in range(clusters.max() + 1)]
     order = sorted(range(len(boxes)), key=lambda k: -boxes[k].volume)
     rank = np.full(len(boxes) + 1, -1)  # its last entry stands for label -1
     rank[order] = np.arange(len(boxes))

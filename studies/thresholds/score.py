@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int
 
+from franbv.geometry.oriented_box import OrientedBox, oriented_box
 from franbv.parameters import Parameters
-from franbv.reflective_regions import group_into_boxes
+from franbv.reflective_regions import BoxOf, group_into_boxes
 from studies.base.case_folder import case_digest
 from studies.base.config import Config, validated
 from studies.sensitivity.planning import first_look
@@ -115,9 +116,9 @@ def scored(view: BankedView, settings: Sequence[Parameters], seed: int) -> ViewS
         burst = view.burst(parameters.n_frames)
         detection = first_look(burst, parameters, seed).detection
         depth = burst.median_depth(parameters.invalid_share)
-        believed = false_depth_share(view, depth)
+        believed, box_of = false_depth_share(view, depth), remembering_boxes()
         for number in numbers:
-            labels, _ = group_into_boxes(detection.points, settings[number])
+            labels, _ = group_into_boxes(detection.points, settings[number], box_of)
             found.risks[number] = (*region_scores(view, detection.pixels, labels, settings[number]), believed)
             found.pixels[number] = region_pixels(view, detection.pixels, labels)
     return found
@@ -127,9 +128,30 @@ def _alike_but_for_clusters(settings: Sequence[Parameters]) -> Iterator[tuple[li
     defaults = Parameters().model_dump(include=set(CLUSTERING))
     groups: dict[str, tuple[list[int], Parameters]] = {}
     for number, parameters in enumerate(settings):
-        alike = parameters.model_copy(update=defaults)
+        share = least_share(parameters.invalid_share, parameters.n_frames)
+        alike = parameters.model_copy(update={**defaults, "invalid_share": share})
         groups.setdefault(alike.model_dump_json(), ([], alike))[0].append(number)
     yield from groups.values()
+
+
+def least_share(invalid_share: float, n_frames: int) -> float:
+    """The least share that as many frames can have and that reaches `invalid_share`: all that lies between two of them
+    tells the same frames apart."""
+    return next((k / n_frames for k in range(n_frames + 1) if k / n_frames >= invalid_share), invalid_share)
+
+
+def remembering_boxes() -> BoxOf:
+    """`oriented_box`, which finds the box of the same points once: settings often agree on a cluster, and boxes took
+    half of the time."""
+    known: dict[bytes, OrientedBox] = {}
+
+    def box_of(points: Float[np.ndarray, "n 3"], least_side: float) -> OrientedBox:
+        key = points.tobytes()
+        if key not in known:
+            known[key] = oriented_box(points, least_side)
+        return known[key]
+
+    return box_of
 
 
 def region_scores(

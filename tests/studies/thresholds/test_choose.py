@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from franbv.parameters import Parameters
 from materials.input_error import InputError
@@ -17,7 +19,7 @@ from studies.thresholds.choose import (
     split,
 )
 from studies.thresholds.config import Bearable, Budget
-from studies.thresholds.score import false_depth_share, region_pixels, region_scores, scored
+from studies.thresholds.score import false_depth_share, least_share, region_pixels, region_scores, scored
 from tests.studies.thresholds.made_up_bank import made_up_view
 from tests.studies.thresholds.made_up_study import STUDY
 
@@ -66,6 +68,13 @@ def test_settings_scored_together_or_alone():
     np.testing.assert_array_equal(together, alone)
     assert together[0, 0] == 0
     assert together[0, 1] < 0.9
+
+
+@given(st.floats(0.0, 1.0), st.integers(1, 40))
+def test_shares_that_tell_the_same_frames_apart(share: float, n_frames: int):
+    """Whatever number of frames is invalid, both shares judge it alike."""
+    least = least_share(share, n_frames)
+    assert all((k / n_frames >= share) == (k / n_frames >= least) for k in range(n_frames + 1))
 
 
 def test_exceeding():
