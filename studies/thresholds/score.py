@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int
-from threadpoolctl import threadpool_limits
 
 from franbv.geometry.oriented_box import OrientedBox, oriented_box
 from franbv.parameters import Parameters
@@ -95,8 +94,7 @@ def do_score(task: ScoreTask) -> None:
     found = unseen(len(task.grid.settings))
     if do_view(task.view):
         draw, view = read_banked_view(task.view)
-        with threadpool_limits(1):  # threads that wait for one another took ten times as long on a busy machine
-            found = scored(view, task.grid.settings, draw.seed)
+        found = scored(view, task.grid.settings, draw.seed)
     task.file.parent.mkdir(parents=True, exist_ok=True)
     write_arrays(task.file, vars(found))
 
