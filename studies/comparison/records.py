@@ -12,13 +12,9 @@ from jaxtyping import Float, Int
 from studies.base.case_folder import finished_case
 from studies.run.acquisition_table import MAP_COVERAGE, RAW_COVERAGE
 from studies.run.batch import RUNS, PlannedRun
-from studies.run.report.timing_figure import SENSING
+from studies.run.robot_seconds import FRAME_S, robot_seconds
 from studies.run.stored_run import StoredRun
 from studies.store.tables import Column
-
-FRAME_S = 1.0 / 30.0
-"""Time that a real camera takes for a frame [s]: the D435i's default depth rate of 30 Hz (data sheet). Instead of the
-time that it takes to simulate one."""
 
 CONTRIBUTED = "recovery_contribution"
 """What recovery views added to the coverage of the map, of a run's summary [-]."""
@@ -92,7 +88,7 @@ def read_records(out: Path, runs: Iterable[PlannedRun]) -> list[Record]:
 
 def _record(planned: PlannedRun, stored: StoredRun) -> Record:
     rows = stored.rows
-    times = stored.timings["acquisitions"]
+    seconds = robot_seconds(stored)
     return Record(
         part=planned.part,
         arm=planned.arm,
@@ -103,8 +99,8 @@ def _record(planned: PlannedRun, stored: StoredRun) -> Record:
         raw=np.array([row[RAW_COVERAGE] for row in rows]),
         kinds=tuple(row["kind"] for row in rows),
         iterations=np.array([row["iteration"] for row in rows]),
-        planning_s=np.array([sum(s for stage, s in row.items() if stage != SENSING) for row in times]),
-        motion_s=np.array([row["motion_s"] for row in rows]),
+        planning_s=seconds["planning"],
+        motion_s=seconds["motion"],
         n_frames=stored.run["config"]["parameters"]["n_frames"],
         processor_s=stored.timings["processor_s"],
         versions=stored.run["versions"],

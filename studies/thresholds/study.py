@@ -129,16 +129,19 @@ class Study:
             for k, setting in enumerate(settings)
         ]
 
+    def whole_runs(self, settings: Sequence[Setting]) -> list[list[Path]]:
+        """Cases of the drawn scenes that are reconstructed under every setting, in the order of the settings."""
+        tasks, k = self.run_tasks(settings), len(settings)
+        rows = [[case for task in tasks[i : i + k] if (case := task.case)] for i in range(0, len(tasks), k)]
+        return [row for row in rows if len(row) == k]
+
     def evidence(self, views: dict[str, Float[np.ndarray, "_ k"]], settings: tuple[Setting, ...]) -> DrawnEvidence:
         """Of all finished draws. A reconstruction counts where it is finished under every setting."""
         columns = [setting.view_setting for setting in settings]
         scores = {name: numbers[:, columns] for name, numbers in views.items()}
-        tasks = self.run_tasks(settings)
-        if tasks:
-            k = len(settings)
-            cases = [[task.case for task in tasks[i : i + k]] for i in range(0, len(tasks), k)]
-            whole = [row for row in cases if all(row)]
-            found = np.array([[run_scores(case) for case in row if case] for row in whole]).reshape(-1, k, 2)
+        if self.preset.run_risks:
+            whole = self.whole_runs(settings)
+            found = np.array([[run_scores(case) for case in row] for row in whole]).reshape(-1, len(settings), 2)
             scores |= {name: found[:, :, j] for j, name in enumerate(RUN_RISKS)}
         return DrawnEvidence(settings, scores)
 

@@ -11,8 +11,14 @@ from studies.run.report.page import flattened
 from studies.sensitivity.trust import spoken
 from studies.thresholds.certificate import FEWEST_IN_CELL, Certificate, Combination, Promise, means
 from studies.thresholds.choose import exceeded, known_mean
-from studies.thresholds.config import RISK_MEANINGS, RUN_RISKS, VIEW_RISKS, Bearable
+from studies.thresholds.config import RESCORED, RISK_MEANINGS, RUN_RISKS, VIEW_RISKS, Bearable
+from studies.thresholds.report.precision_recall import precision_recall
+from studies.thresholds.report.precision_recall_figure import DetectorCurves, detector_curves
+from studies.thresholds.report.progress import read_progress
+from studies.thresholds.report.progress_figure import ProgressFigures, ShownRuns, progress_figures
+from studies.thresholds.report.setting_words import MARKS, mark_of, setting_words, told_apart
 from studies.thresholds.report.tradeoff_figure import Dot, tradeoff_figure
+from studies.thresholds.score import setting_combinations
 from studies.work.workers import Failure
 
 
@@ -41,6 +47,8 @@ def certificate_html(certificate: Certificate, failures: Sequence[Failure]) -> s
                 {"words": s.words, "verdict": s.verdict, "shares": shares(s.promises)} for s in certificate.stresses
             ],
             charts=charts(certificate),
+            detector=detector(certificate),
+            progress=progress(certificate),
             learned=len(study.dealt(views)[0]),
             prefer=spoken(preset.prefer),
             again=again,
@@ -84,7 +92,8 @@ def charts(certificate: Certificate) -> list[tuple[str, Markup]]:
     any_false = exceeded({"false_recoveries": scores["false_recoveries"]}, {"false_recoveries": NO_FALSE_REGION})
     x, y = 1 - views["missed_reflective_area"], known_mean(any_false["false_recoveries"])
     words = [
-        f"{_words(s.values)}: finds {100 * a:.0f} % of the reflective holes, false in {100 * b:.0f} % of the views"
+        f"{setting_words(s.values)}: finds {100 * a:.0f} % of the reflective holes, "
+        f"false in {100 * b:.0f} % of the views"
         for s, a, b in zip(settings, x, y, strict=True)
     ]
     labels = "share of the reflective holes found, mean over views", "share of views with a false recovery"
@@ -94,7 +103,7 @@ def charts(certificate: Certificate) -> list[tuple[str, Markup]]:
         runs = means(certificate.evidence, RUN_RISKS)
         x, y = runs["acquisitions"], 1 - runs["coverage_shortfall"]
         words = [
-            f"{_words(s.values)}: {100 * b:.0f} % covered in {a:.0f} acquisitions"
+            f"{setting_words(s.values)}: {100 * b:.0f} % covered in {a:.0f} acquisitions"
             for s, a, b in zip(settings, x, y, strict=True)
         ]
         title = "Coverage against acquisitions"
@@ -110,14 +119,24 @@ NO_FALSE_REGION = Bearable(most=0, level=0.5)
 def dots(certificate: Certificate, x: np.ndarray, y: np.ndarray, words: Sequence[str]) -> list[Dot]:
     """One for each setting that both numbers are known of."""
     known = [k for k in range(len(words)) if np.isfinite(x[k]) and np.isfinite(y[k])]
-    return [Dot(float(x[k]), float(y[k]), _klass(certificate, k), words[k]) for k in known]
+    return [Dot(float(x[k]), float(y[k]), mark_of(certificate.choice, k), words[k]) for k in known]
 
 
-def _klass(certificate: Certificate, setting: int) -> str:
-    if setting == certificate.choice.chosen:
-        return "chosen"
-    return "certified" if setting in certificate.choice.certified else "plain"
+def detector(certificate: Certificate) -> DetectorCurves:
+    """Precision and recall of all views, under every setting that they were scored with."""
+    study, choice, settings = certificate.study, certificate.choice, certificate.evidence.settings
+    found = precision_recall(setting_combinations(study.preset, RESCORED), study.region_pixels())
+    marked = [(mark_of(choice, k), setting.view_setting) for k, setting in enumerate(settings)]
+    highest = {number: klass for mark in MARKS for klass, number in marked if klass == mark}
+    return detector_curves(found, highest)
 
 
-def _words(values: dict[str, Any]) -> str:
-    return ", ".join(f"{name} {value}" for name, value in values.items()) or "as it is"
+def progress(certificate: Certificate) -> ProgressFigures | None:
+    """How reconstructions get on under each setting that they were made with; None where none is finished."""
+    settings = certificate.evidence.settings
+    rows = [[read_progress(case) for case in row] for row in certificate.study.whole_runs(settings)]
+    words = told_apart([setting.values for setting in settings])
+    shown = [
+        ShownRuns(words[k], k == certificate.choice.chosen, runs) for k, runs in enumerate(zip(*rows, strict=True))
+    ]
+    return progress_figures(shown) if shown else None

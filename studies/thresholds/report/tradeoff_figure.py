@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from studies.drawing import svg
+from studies.thresholds.report.setting_words import MARKS
 
 PLOT = svg.Plot(width=svg.PAGE_WIDTH, height=400, left=60, right=1130, top=40, bottom=340)
 """Edges of the plot [px]."""
@@ -18,7 +19,7 @@ class Dot:
     x: float
     y: float
     klass: str
-    """`plain`, `certified` or `chosen`."""
+    """Of MARKS."""
     words: str
     """What it is, shown under the pointer."""
 
@@ -26,13 +27,12 @@ class Dot:
 def tradeoff_figure(title: str, x_label: str, y_label: str, dots: Sequence[Dot]) -> Markup:
     """All settings; the chosen one is drawn last."""
     x, y = (
-        svg.Scale(0.0, max(1e-9, 1.05 * max((value(dot) for dot in dots), default=1.0)), *ends)
+        svg.Scale(0.0, 1.05 * max((value(dot) for dot in dots), default=1.0) or 1.0, *ends)
         for value, ends in ((lambda d: d.x, (PLOT.left, PLOT.right)), (lambda d: d.y, (PLOT.bottom, PLOT.top)))
     )
-    order = ("plain", "certified", "chosen")
     marks = [
         svg.marked(svg.element("circle", cx=x(dot.x), cy=y(dot.y), r=6, klass=f"setting {dot.klass}"), dot.words)
-        for dot in sorted(dots, key=lambda dot: order.index(dot.klass))
+        for dot in sorted(dots, key=lambda dot: MARKS.index(dot.klass))
     ]
     return svg.figure(
         PLOT.width,

@@ -100,6 +100,18 @@ def test_nothing_certified(made, tmp_path, capsys):
     assert "No setting is certified: at best missed_reflective_area exceeds in 39 of 39 draws" in said
     assert not (again / "thresholds.yaml").exists()
     assert json.loads((again / "certificate.json").read_text())["settings"] is None
+    assert "No setting marks a pixel: none of the " in (again / "certificate.html").read_text()
+
+
+def test_precision_and_recall_on_the_page(made):
+    """The ball's highlight is found with 5 pixels to a cluster, for either burst; with 400 nothing is marked. Without
+    reconstructions the page has no curves of them."""
+    page = (made[1] / "certificate.html").read_text()
+    detector = page[page.index('id="detector"') : page.index('id="how"')]
+    assert detector.count('class="setting chosen"') == 1
+    assert detector.count("<title>cluster_min_samples 5, n_frames ") == 2
+    assert "and are not drawn: 2 of 4." in detector
+    assert 'id="progress"' not in page
 
 
 @pytest.mark.browser

@@ -78,6 +78,23 @@ def test_all_risks_at_once(made: Path):
     page = (made / "certificate.html").read_text()
     chart = page[page.index("Coverage against acquisitions") :]
     assert all(f"recovered_share {share}: " in chart for share in (0.3, 0.6))
+    assert f"over {N_RUNS} drawn scenes" in page
+    assert all(f"recovered_share {share}, 2 acquisitions: " in page for share in (0.3, 0.6))
+
+
+def test_a_scene_counts_when_all_settings_have_it(made: Path):
+    """A case that one setting lacks takes its scene out for all of them."""
+    study = Study.of(made, resolved_preset(ThresholdsPreset.model_validate(STATED_RUNS)))
+    settings = study.settings(study.view_scores())
+    whole = study.whole_runs(settings)
+    assert [len(row) for row in whole] == [2] * N_RUNS
+    lacking = study.run_tasks(settings)[7].case  # the second setting of the fourth scene
+    assert lacking == whole[3][1]
+    away = lacking.rename(lacking.with_name("away"))
+    try:
+        assert study.whole_runs(settings) == whole[:3] + whole[4:]
+    finally:
+        away.rename(lacking)
 
 
 def test_a_cells_reference(made: Path, ball: Path):
