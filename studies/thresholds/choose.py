@@ -51,12 +51,22 @@ class Repetitions:
         return self.runs * share + 2 * float(np.sqrt(self.runs * share * (1 - share)))
 
 
-def exceeded(scores: Scores, risks: Mapping[str, Bearable]) -> dict[str, Float[np.ndarray, "_ k"]]:
-    """1 where a draw exceeds what is borne, 0 where not, NaN where it says nothing of the risk under some setting."""
+def exceeded(
+    scores: Scores, risks: Mapping[str, Bearable], cameras: Int[np.ndarray, "k"] | None = None
+) -> dict[str, Float[np.ndarray, "_ k"]]:
+    """1 where a draw exceeds what is borne, 0 where not, NaN where it says nothing of the risk under some setting of
+    the same camera.
+
+    cameras: a number for the camera of each setting, since what one camera shows of a draw says nothing of what another
+    does; None = all have the same.
+    """
     found = {}
     for name, bearable in risks.items():
         numbers = scores[name]
-        silent = np.isnan(numbers).any(axis=1, keepdims=True)
+        of_camera = np.zeros(numbers.shape[1], int) if cameras is None else cameras
+        silent = np.isnan(numbers)
+        for camera in np.unique(of_camera):
+            silent[:, of_camera == camera] |= silent[:, of_camera == camera].any(axis=1, keepdims=True)
         found[name] = np.where(silent, np.nan, (numbers > bearable.most).astype(float))
     return found
 
@@ -101,14 +111,15 @@ def choose_setting(
     learn: Mapping[str, Int[np.ndarray, "_"]],
     test: Mapping[str, Int[np.ndarray, "_"]],
     confidence: float,
+    cameras: Int[np.ndarray, "k"] | None = None,
 ) -> Choice:
     """Learn the order on some draws of each risk, certify on others.
 
     prefer: name of the numbers whose mean over the learning draws decides among certified settings, the lower the
-    better, and among naive ones likewise.
+    better, and among naive ones likewise. cameras: as in `exceeded`.
     """
     costs = np.nan_to_num(known_mean(scores[prefer][learn[prefer]]))  # of a domain without holes nothing is missed
-    flags, levels = exceeded(scores, risks), {name: bearable.level for name, bearable in risks.items()}
+    flags, levels = exceeded(scores, risks, cameras), {name: bearable.level for name, bearable in risks.items()}
     learned, tested = ({name: flags[name][rows[name]] for name in risks} for rows in (learn, test))
     valid = certified(learned, tested, levels, confidence)
     beyond = np.stack([known_mean(tested[name]) - levels[name] for name in risks])
@@ -134,17 +145,21 @@ def repeated(
     budget: Budget,
     confidence: float,
     seed: int,
+    cameras: Int[np.ndarray, "k"] | None = None,
 ) -> Repetitions:
-    """How often choices are wrong: a third of the draws judges, the rest learns and certifies, dealt anew each time."""
+    """How often choices are wrong: a third of the draws judges, the rest learns and certifies, dealt anew each time.
+
+    cameras: as in `exceeded`.
+    """
     rng = np.random.default_rng([seed, REPEAT_STREAM])
     shares = (2 / 3 * budget.learn_share, 2 / 3 * (1 - budget.learn_share), 1 / 3)
-    flags = exceeded(scores, risks)
+    flags = exceeded(scores, risks, cameras)
     violations = naive = silent = 0
     for _ in range(budget.repetitions):
         by_number = {n: split(n, shares, rng) for n in sorted({len(numbers) for numbers in scores.values()})}
         dealt = {name: by_number[len(scores[name])] for name in (*risks, prefer)}  # a draw is dealt once for all risks
         learn, test, judge = ({name: rows[k] for name, rows in dealt.items()} for k in range(3))
-        choice = choose_setting(scores, risks, prefer, learn, test, confidence)
+        choice = choose_setting(scores, risks, prefer, learn, test, confidence, cameras)
         silent += choice.chosen is None
         violations += breaks(flags, risks, choice.chosen, judge)
         naive += breaks(flags, risks, choice.naive, judge)

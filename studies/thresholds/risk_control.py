@@ -15,15 +15,16 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Int, Num
 from mapie.exchangeability_testing import RiskMonitoring
 from mapie.risk_control import BinaryClassificationController, BinaryRisk
 from mapie.risk_control.methods import compute_hoeffding_bentkus_p_value
 from scipy.optimize import root_scalar
 
 Exceeded = Mapping[str, Float[np.ndarray, "_ k"]]
-"""By risk: 1 where a draw exceeds what is borne, 0 where it does not, NaN where the draw says nothing of the risk. The
-number of draws may differ from risk to risk; NaN must not depend on the setting."""
+"""By risk: 1 where a draw exceeds what is borne, 0 where it does not, NaN where the draw says nothing of the risk under
+the setting. The number of draws may differ from risk to risk. What a setting is certified for is the probability of the
+draws that say something under it."""
 
 
 def certified(learn: Exceeded, test: Exceeded, levels: Mapping[str, float], confidence: float) -> tuple[int, ...]:
@@ -31,17 +32,21 @@ def certified(learn: Exceeded, test: Exceeded, levels: Mapping[str, float], conf
     first.
 
     learn, test: the same risks and settings on draws that have nothing in common; levels: largest share of draws that
-    may exceed, by risk; confidence: of the whole answer [0, 1]. ValueError for a risk of which no draw says anything.
+    may exceed, by risk; confidence: of the whole answer [0, 1]. A setting under which no draw says anything of a risk
+    is not certified. ValueError for a risk of which no draw says anything under any.
     """
     names = tuple(levels)
-    n_settings = next(iter(test.values())).shape[1]
     risks = [BinaryRisk(_exceeds, partial(_is_of, risk=k), higher_is_better=False) for k in range(len(names))]
     alone = len(risks) == 1
     rows = [_rows(exceeded, names) for exceeded in (learn, test)]
+    known = [~np.isnan(exceeded[name]).all(axis=0) for exceeded in (learn, test) for name in names]
+    settings = np.flatnonzero(np.all(known, axis=0))  # MAPIE's p-value of no draws is NaN, and spoils the order
+    if len(settings) == 0:
+        return ()
 
     def outcome(of: Any, *setting: Any) -> Any:  # MAPIE asks for each setting by its number
         which, row = np.asarray(of).T
-        return rows[which[0]].exceeds[row, int(setting[0])].astype(int)
+        return rows[which[0]].exceeds[row, int(setting[0])]
 
     controller = BinaryClassificationController(
         outcome,
@@ -49,7 +54,7 @@ def certified(learn: Exceeded, test: Exceeded, levels: Mapping[str, float], conf
         float(levels[names[0]]) if alone else [float(levels[name]) for name in names],
         confidence,
         risks[0],
-        np.arange(n_settings)[:, None],
+        settings[:, None],
         "split_fixed_sequence",
     )
     with warnings.catch_warnings():  # that none is certified, or all are, is an answer and no mishap
@@ -121,23 +126,24 @@ class _Rows:
     """Draws of all risks below each other."""
 
     risk: Int[np.ndarray, "n"]
-    exceeds: Bool[np.ndarray, "n k"]
+    exceeds: Float[np.ndarray, "n k"]
 
     def numbers(self, which: int) -> Int[np.ndarray, "n 2"]:
         return np.stack([np.full(len(self.risk), which), np.arange(len(self.risk))], axis=1)
 
 
 def _rows(exceeded: Exceeded, names: Sequence[str]) -> _Rows:
-    known = [exceeded[name][~np.isnan(exceeded[name]).any(axis=1)] for name in names]
+    known = [exceeded[name][~np.isnan(exceeded[name]).all(axis=1)] for name in names]
     for name, found in zip(names, known, strict=True):
         if len(found) == 0:
             raise ValueError(f"{name}: no draw says anything of it; draw more, or leave the risk out")
-    return _Rows(np.repeat(np.arange(len(names)), [len(found) for found in known]), np.concatenate(known) > 0)
+    return _Rows(np.repeat(np.arange(len(names)), [len(found) for found in known]), np.concatenate(known))
 
 
-def _exceeds(_true: Int[np.ndarray, "n"], found: Int[np.ndarray, "n"]) -> Bool[np.ndarray, "n"]:
+def _exceeds(_true: Int[np.ndarray, "n"], found: Num[np.ndarray, "n"]) -> Bool[np.ndarray, "n"]:
     return np.asarray(found) == 1
 
 
-def _is_of(true: Int[np.ndarray, "n"], _found: Int[np.ndarray, "n"], risk: int) -> Bool[np.ndarray, "n"]:
-    return np.asarray(true) == risk
+def _is_of(true: Int[np.ndarray, "n"], found: Float[np.ndarray, "n"], risk: int) -> Bool[np.ndarray, "n"]:
+    """Draws of the risk that say something of it under the setting."""
+    return (np.asarray(true) == risk) & ~np.isnan(found)

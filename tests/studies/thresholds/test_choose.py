@@ -61,7 +61,7 @@ def test_too_small_a_hole_says_nothing(view: BankedView):
 
 def test_settings_scored_together_or_alone():
     """Sharing the map among settings that cluster differently changes no number; the mirroring ball is found."""
-    view = made_up_view(STUDY.bank, 3)
+    view = made_up_view(STUDY.banks[0], 3)
     settings = STUDY.grid.settings
     together = scored(view, settings, 7).risks
     alone = np.concatenate([scored(view, [parameters], 7).risks for parameters in settings])
@@ -82,6 +82,23 @@ def test_exceeding():
     scores = {"false_recoveries": np.array([[0.0, 1.0], [2.0, np.nan], [1.0, 0.0]])}
     found = exceeded(scores, {"false_recoveries": Bearable(most=1, level=0.1)})["false_recoveries"]
     np.testing.assert_array_equal(found, [[0, 0], [np.nan, np.nan], [0, 0]])
+
+
+def test_cameras_speak_for_themselves():
+    """What a draw does not say under one camera takes nothing from what it says under another: the camera that leaves
+    no hole in the bad half of the draws does not make the other's misses unseen."""
+    numbers = np.array([[1.0, 0.0, np.nan, np.nan], [0.0, np.nan, 1.0, 0.0]])
+    bearable = {"missed_reflective_area": Bearable(most=0.5, level=0.3)}
+    found = exceeded({"missed_reflective_area": numbers}, bearable, np.array([0, 0, 1, 1]))["missed_reflective_area"]
+    np.testing.assert_array_equal(found, [[1, 0, np.nan, np.nan], [np.nan, np.nan, 1, 0]])
+    bad = np.arange(400) % 2 == 0
+    missed = np.column_stack([np.where(bad, 0.9, 0.1), np.where(bad, np.nan, 0.1)])
+    rows = {"missed_reflective_area": np.arange(400)}
+    choice = choose_setting(
+        {"missed_reflective_area": missed}, bearable, "missed_reflective_area", rows, rows, 0.9, np.array([0, 1])
+    )
+    assert choice.certified == (1,)
+    assert choice.naive == 1
 
 
 def test_what_the_budget_cannot_promise():

@@ -65,6 +65,18 @@ def test_one_risk_alone():
     assert certified(none, none, {"risk": 0.04}, 0.95) == ()
 
 
+def test_a_setting_has_draws_of_its_own():
+    """Those that are silent under it do not count for it: sixty that speak certify 5 %, fifty do not, whatever others
+    have; a setting of which all are silent is not certified and spoils nothing."""
+    found = np.zeros((90, 4))
+    found[60:, 0], found[50:, 1], found[:, 2] = np.nan, np.nan, np.nan
+    found[::2, 3] = 1
+    assert certified({"risk": found}, {"risk": found}, {"risk": 0.05}, 0.95) == (0,)
+    second = {"risk": found[:, 1:3], "other": np.zeros((90, 2))}
+    assert certified(second, second, {"risk": 0.05, "other": 0.05}, 0.9) == (0,)  # with two risks as with one
+    assert certified({"risk": found[:, [0, 2]]}, {"risk": found[:, [2, 0]]}, {"risk": 0.05}, 0.95) == ()
+
+
 def test_a_risk_that_no_draw_speaks_of():
     """Is refused by name."""
     known, silent = np.zeros((9, 2)), np.full((9, 2), np.nan)
