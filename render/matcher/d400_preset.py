@@ -95,6 +95,11 @@ class D400Preset:
         return self.values.get(UNITS, 1000) / 1e6
 
     @property
+    def text(self) -> str:
+        """All that it says, as text that `load_preset` reads: equal for equal content."""
+        return json.dumps(dict(sorted(self.values.items()))) if self.values else self.name
+
+    @property
     def matcher_text(self) -> str:
         """What of it the matcher has a counterpart for, as text that `load_preset` reads: equal for equal content."""
         if not self.values:

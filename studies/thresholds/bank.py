@@ -1,7 +1,8 @@
 """The bank of views: each drawn once, rendered once, labelled once, and kept with all that scoring it anew needs.
 
-`bank/<name>/views/000123.npz` holds the burst and the truth of view 123 of a domain; the name is the domain's, so that
-another domain begins a bank of its own and other risks or settings use the one that is there. Views of the same draws
+`bank/<name>/views/000123.npz` holds the burst and the truth of view 123 of a domain; the name is the domain's, its
+camera included, so that another domain begins a bank of its own and other risks or settings use the one that is there.
+View 123 of banks that differ by the camera alone is the same draw. Views of the same draws
 under a mismatch (`studies.thresholds.stress`) stand in a folder beside `views` that has the mismatch's name.
 """
 
@@ -129,7 +130,8 @@ def do_view(task: ViewTask) -> bool:
         return True
     domain, stress = task.settings.domain, stress_of(task.stress)
     draw = view_draw(domain, task.settings.seed, task.number)
-    scene = _scene(subject_settings(domain, draw).model_copy(update={"seed": 0}).model_dump_json())
+    alike = {"seed": 0, "sensor": SensorSettings()}  # no scene hangs on them
+    scene = _scene(subject_settings(domain, draw).model_copy(update=alike).model_dump_json())
     if not stress.applies(scene):
         return False
     sensor, known = stress.sensor(domain.sensor), loaded_scene(scene)
@@ -189,6 +191,11 @@ def bank_settings(domain: Domain, seed: int, n_frames: int) -> BankSettings:
         subject = subject_settings(domain, replace_part(view_draw(domain, seed, 0), name))
         files |= {f"{name} {key}": digest for key, digest in resolved(subject).digests.items()}
     return BankSettings(domain=domain, seed=seed, n_frames=n_frames, digests=files)
+
+
+def with_sensor(settings: BankSettings, sensor: SensorSettings) -> BankSettings:
+    """The bank of the same draws before another camera."""
+    return settings.model_copy(update={"domain": settings.domain.model_copy(update={"sensor": sensor})})
 
 
 def replace_part(draw: DomainView, part: str) -> DomainView:

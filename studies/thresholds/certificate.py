@@ -133,13 +133,17 @@ class Certificate:
 def shown_setting(study: Study, evidence: DrawnEvidence, choice: Choice) -> int:
     """The chosen setting; where none is certified, the one that comes nearest."""
     risks = study.preset.risks
-    return least_beyond(exceeded(evidence.scores, risks), risks) if choice.chosen is None else choice.chosen
+    return (
+        least_beyond(exceeded(evidence.scores, risks, evidence.cameras), risks)
+        if choice.chosen is None
+        else choice.chosen
+    )
 
 
 def certificate_of(study: Study, evidence: DrawnEvidence, choice: Choice, repetitions: Repetitions) -> Certificate:
     """Gather it."""
     risks, shown = study.preset.risks, shown_setting(study, evidence, choice)
-    flags = exceeded(evidence.scores, risks)
+    flags = exceeded(evidence.scores, risks, evidence.cameras)
     tested = {name: flags[name][study.dealt(len(flags[name]))[1], shown] for name in risks}
     promises = tuple(promise(name, risks[name], tested[name]) for name in risks)
     return Certificate(
@@ -148,7 +152,7 @@ def certificate_of(study: Study, evidence: DrawnEvidence, choice: Choice, repeti
         choice,
         repetitions,
         promises,
-        combinations(study, flags, shown),
+        combinations(study, evidence, flags, shown),
         stressed(study, evidence.settings[shown]),
         shown,
     )
@@ -167,14 +171,16 @@ def promise(name: str, bearable: Bearable, flags: Float[np.ndarray, "n"]) -> Pro
     return Promise(name, bearable.most, bearable.level, len(known), int(known.sum()))
 
 
-def combinations(study: Study, flags: Mapping[str, Float[np.ndarray, "_ k"]], shown: int) -> tuple[Combination, ...]:
+def combinations(
+    study: Study, evidence: DrawnEvidence, flags: Mapping[str, Float[np.ndarray, "_ k"]], shown: int
+) -> tuple[Combination, ...]:
     """Every part, material and lamp of the domain that was drawn, by all of its draws."""
     preset = study.preset
     found: dict[tuple[str, str, str], dict[str, list[float]]] = {}
     for name in preset.risks:
         drawn = view_draw if name in VIEW_RISKS else run_draw
-        for number, flag in enumerate(flags[name][:, shown]):
-            draw = drawn(preset.domain, preset.seed, number)
+        for number, flag in zip(evidence.numbers[name], flags[name][:, shown], strict=True):
+            draw = drawn(preset.domain, preset.seed, int(number))
             place = found.setdefault((draw.part, draw.material, draw.lamps), {})
             place.setdefault(name, []).append(float(flag))
     return tuple(
@@ -184,7 +190,8 @@ def combinations(study: Study, flags: Mapping[str, Float[np.ndarray, "_ k"]], sh
 
 
 def write_settings(out: Path, certificate: Certificate) -> Path | None:
-    """`thresholds.yaml` as `reconstruct --config`, `replay --config` and `run --parameters` take it.
+    """`thresholds.yaml` as `reconstruct --config`, `replay --config` and `run --parameters` take it. It says something
+    of the camera where that was chosen, too.
 
     None where nothing is certified; one of an earlier state is then taken away.
     """
@@ -193,9 +200,12 @@ def write_settings(out: Path, certificate: Certificate) -> Path | None:
         path.unlink(missing_ok=True)
         return None
     setting = certificate.evidence.settings[certificate.shown]
-    stated = setting.parameters.model_dump(mode="json", exclude_defaults=True) | dict(setting.values)
+    camera = certificate.study.cameras[setting.camera]
+    chosen = {name: value for name, value in setting.values.items() if name not in camera.values}
+    stated = {"parameters": setting.parameters.model_dump(mode="json", exclude_defaults=True) | chosen}
+    stated |= {"sensor": camera.section} if camera.values else {}
     lines = [f"# {certificate.study.preset.title}", *(f"# {words}" for words in promise_lines(certificate))]
-    text = "\n".join([*lines, yaml.safe_dump({"parameters": stated}, sort_keys=True)])
+    text = "\n".join([*lines, yaml.safe_dump(stated, sort_keys=True)])
     write_atomically(path, text.encode())
     return path
 
@@ -233,7 +243,7 @@ def certificate_json(certificate: Certificate) -> dict[str, Any]:
             for s in certificate.stresses
         ],
         "repetitions": vars(certificate.repetitions),
-        "domain": preset.domain.model_dump(mode="json"),
+        "domain": settings[certificate.shown].bank.domain.model_dump(mode="json"),
     }  # fmt: skip
 
 

@@ -28,12 +28,19 @@ from studies.thresholds.certificate import (
     write_certificate,
     write_settings,
 )
-from studies.thresholds.choose import budget_sentence, check_budget
+from studies.thresholds.choose import budget_sentence, check_budget, exceeded
 from studies.thresholds.config import VIEW_RISKS, ThresholdsPreset
 from studies.thresholds.draw import subject_settings, view_draw
 from studies.thresholds.reconstructions import cell_reference, do_run_draw
 from studies.thresholds.reference import MONITOR, monitor_object
 from studies.thresholds.score import ScoreTask, do_score
+from studies.thresholds.sensors import (
+    SensorAlternative,
+    chosen_preset_files,
+    sensor_alternatives,
+    sensor_names,
+    with_preset_texts,
+)
 from studies.thresholds.study import Study, chosen_of, repetitions_of
 from studies.work.executor import Executor, WorkFlags, check_alike, executor_of, exit_status, reasons_once
 from studies.work.study_clock import StudyClock
@@ -68,14 +75,14 @@ def run(args: list[str]) -> int:
     name = command.config or command.preset
     named = ThresholdsPreset.named(name)
     preset = resolved_preset(named)
-    n_draws = stated_draws(preset)
-    for line in budget_sentence(n_draws, preset.budget, preset.confidence):
+    n_draws, cameras = stated_draws(preset), sensor_alternatives(preset.settings, preset.domain.sensor)
+    for line in (*rendered_sentence(preset, cameras), *budget_sentence(n_draws, preset.budget, preset.confidence)):
         say(line)
     check_budget(n_draws, preset.risks, preset.budget, preset.confidence)
     check_scenes(preset)
     study = Study.of(command.out, preset)
     check_not_overwritten(
-        preset_files(name, named.domain.sensor),
+        [*preset_files(name, named.domain.sensor), *map(Path, chosen_preset_files(named.settings))],
         map(command.out.joinpath, (THRESHOLDS_STUDY, THRESHOLDS_SUMMARY, PAGE, CERTIFICATE, SETTINGS_FILE)),
     )
     with executor_of(command.work) as executor:  # before anything is written
@@ -96,9 +103,18 @@ def run(args: list[str]) -> int:
 
 
 def resolved_preset(preset: ThresholdsPreset) -> ThresholdsPreset:
-    """With the sensor as the bench turns it and its preset's content; the mount's roll is the planner's."""
-    domain = with_sensor_resolved(preset.domain)
-    return preset.model_copy(update={"domain": domain})
+    """With the sensor as the bench turns it and its preset's content, be it chosen among; the mount's roll is the
+    planner's."""
+    changed = {"domain": with_sensor_resolved(preset.domain), "settings": with_preset_texts(preset.settings)}
+    return preset.model_copy(update=changed)
+
+
+def rendered_sentence(preset: ThresholdsPreset, cameras: Sequence[SensorAlternative]) -> list[str]:
+    """How many views the budget comes to where the camera is chosen, too."""
+    n, views = len(cameras), preset.budget.views
+    if not sensor_names(preset.settings):
+        return []
+    return [f"{n} cameras to choose among, {views} views by each: {n * views} views are rendered, or are there already"]
 
 
 def stated_draws(preset: ThresholdsPreset) -> dict[str, int]:
@@ -120,7 +136,7 @@ def check_scenes(preset: ThresholdsPreset) -> None:
 
 def draw_all(study: Study, executor: Executor) -> list[Failure]:
     """Views first, then the reconstructions of the finalists that the views name."""
-    tasks, tell = study.view_tasks, reasons_once(_PROGRAM)
+    tasks, tell = [task for draw in study.view_tasks for task in draw], reasons_once(_PROGRAM)
     missing = _missing(tasks)
     if missing:
         check_alike(executor, study.out)
@@ -145,14 +161,14 @@ def draw_stressed(study: Study, executor: Executor) -> list[Failure]:
 def _missing(tasks: Sequence[ScoreTask]) -> list[Job]:
     """What is to be drawn or scored, in an order that is quick."""
     missing = sorted((task for task in tasks if not task.file.exists()), key=lambda task: drawn_alike(task.view))
-    return [Job(task.view.title, do_score, task) for task in missing]
+    return [Job(task.title, do_score, task) for task in missing]
 
 
 def evaluate_thresholds(study: Study, failures: list[Failure], wall_s: float) -> tuple[Certificate, dict[str, Any]]:
     """Choose, certify, write everything."""
     from studies.thresholds.report.page import certificate_html
 
-    if not any(task.file.exists() for task in study.view_tasks):
+    if not study.finished_views:
         raise InputError(f"{study.out}: no view could be drawn; mend what is said above, and give the command again")
     views = study.view_scores()
     evidence = study.evidence(views, study.settings(views))
@@ -174,9 +190,10 @@ def evaluate_thresholds(study: Study, failures: list[Failure], wall_s: float) ->
 def thresholds_json(certificate: Certificate, failures: list[Failure], wall_s: float) -> dict[str, Any]:
     """What `--json` prints, and the failures."""
     preset, again = certificate.study.preset, certificate.repetitions
-    scores = certificate.evidence.scores
-    runs = {name: int(np.count_nonzero(~np.isnan(scores[name]).any(axis=1))) for name in preset.risks}
-    setting = certificate.evidence.settings[certificate.shown]
+    evidence, shown = certificate.evidence, certificate.shown
+    flags = exceeded(evidence.scores, preset.risks, evidence.cameras)
+    runs = {name: int(np.count_nonzero(~np.isnan(flags[name][:, shown]))) for name in preset.risks}
+    setting = evidence.settings[shown]
     return {
         "settings": setting.values if certificate.certified else None,
         "risks": {p.risk: p.share for p in certificate.promises},

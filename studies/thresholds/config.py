@@ -13,6 +13,7 @@ from scenes.parts import ALL_PARTS
 from studies.base.config import Config, Preset
 from studies.dataset.config import Weights
 from studies.sensitivity.preset import OWN
+from studies.thresholds.sensors import SENSOR_CHOICES, check_sensor_names, sensor_names
 
 VIEW_RISKS = ("false_recoveries", "missed_reflective_area", "false_depth_believed")
 """A draw is a view of a scene."""
@@ -120,7 +121,7 @@ class ThresholdsPreset(Preset):
     prefer: str = "missed_reflective_area"
     """Among settings that are certified alike: the one whose mean of this is lowest; of RISK_MEANINGS."""
     settings: dict[str, Annotated[tuple[Any, ...], Field(min_length=1)]] = Field(default={})
-    """Values to choose among, by the planner's parameter; every combination is a setting."""
+    """Values to choose among, by the planner's parameter or by SENSOR_CHOICES; every combination is a setting."""
     parameters: Parameters = Parameters()
     """Of the method, what is not chosen."""
     budget: Budget = Budget()
@@ -130,12 +131,15 @@ class ThresholdsPreset(Preset):
         for name in (*self.risks, self.prefer):
             if name not in RISK_MEANINGS:
                 raise ValueError(f"risks or prefer: there is no {name}; {suggest(name, RISK_MEANINGS)}")
-        for name in self.settings:
+        check_sensor_names(self.settings, self.domain.sensor)
+        planner = [name for name in self.settings if name not in sensor_names(self.settings)]
+        for name in planner:
             if name not in Parameters.model_fields:
-                raise ValueError(f"settings: the planner has no {name}; {suggest(name, Parameters.model_fields)}")
+                known = (*Parameters.model_fields, *SENSOR_CHOICES)
+                raise ValueError(f"settings: the planner has no {name}; {suggest(name, known)}")
         if self.prefer in RUN_RISKS and not self.run_risks:
             raise ValueError(f"prefer: {self.prefer} shows in reconstructions alone; state it as a risk as well")
-        dear = [name for name in self.settings if name not in RESCORED]
+        dear = [name for name in planner if name not in RESCORED]
         if dear and not self.run_risks:
             raise ValueError(
                 f"settings: {dear[0]} shows in reconstructions alone; state coverage_shortfall or leave it"

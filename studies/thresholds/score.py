@@ -21,6 +21,7 @@ from studies.sensitivity.planning import first_look
 from studies.store.views import read_arrays, write_arrays
 from studies.thresholds.bank import BankedView, ViewTask, do_view, read_banked_view
 from studies.thresholds.config import RESCORED, VIEW_RISKS, ThresholdsPreset
+from studies.thresholds.sensors import sensor_names
 
 CLUSTERING = ("cluster_radius_voxels", "cluster_min_samples")
 """Parameters of the last step, which are tried on the same located pixels."""
@@ -51,6 +52,13 @@ class ScoreTask:
 
     view: ViewTask
     grid: SettingGrid
+    camera: str = ""
+    """Which of those that are chosen among, for people."""
+
+    @property
+    def title(self) -> str:
+        """For people."""
+        return self.view.title + (f", {self.camera}" if self.camera else "")
 
     @property
     def file(self) -> Path:
@@ -75,8 +83,10 @@ def setting_combinations(preset: ThresholdsPreset, names: Sequence[str]) -> list
 
 
 def with_setting(preset: ThresholdsPreset, setting: Mapping[str, Any]) -> Parameters:
-    """The planner's parameters under a setting; InputError for a value that a parameter cannot have."""
-    stated = preset.parameters.model_dump() | {"roll_deg": preset.domain.sensor.mount_roll_deg} | dict(setting)
+    """The planner's parameters under a setting, whatever it says of the camera; InputError for a value that a parameter
+    cannot have."""
+    planner = {name: value for name, value in setting.items() if name not in sensor_names(preset.settings)}
+    stated = preset.parameters.model_dump() | {"roll_deg": preset.domain.sensor.mount_roll_deg} | planner
     return validated(Parameters, stated, "settings")
 
 

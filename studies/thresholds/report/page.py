@@ -11,21 +11,21 @@ from studies.run.report.page import flattened
 from studies.sensitivity.trust import spoken
 from studies.thresholds.certificate import FEWEST_IN_CELL, Certificate, Combination, Promise, means
 from studies.thresholds.choose import exceeded, known_mean
-from studies.thresholds.config import RESCORED, RISK_MEANINGS, RUN_RISKS, VIEW_RISKS, Bearable
+from studies.thresholds.config import RISK_MEANINGS, RUN_RISKS, VIEW_RISKS, Bearable
 from studies.thresholds.report.precision_recall import precision_recall
 from studies.thresholds.report.precision_recall_figure import DetectorCurves, detector_curves
 from studies.thresholds.report.progress import read_progress
 from studies.thresholds.report.progress_figure import ProgressFigures, ShownRuns, progress_figures
 from studies.thresholds.report.setting_words import MARKS, mark_of, setting_words, told_apart
 from studies.thresholds.report.tradeoff_figure import Dot, tradeoff_figure
-from studies.thresholds.score import setting_combinations
 from studies.work.workers import Failure
 
 
 def certificate_html(certificate: Certificate, failures: Sequence[Failure]) -> str:
     """The whole page."""
     study, again = certificate.study, certificate.repetitions
-    preset = study.preset
+    preset, setting = study.preset, certificate.evidence.settings[certificate.shown]
+    domain = setting.bank.domain
     views = len(certificate.evidence.scores[VIEW_RISKS[0]])
     kinds = [words for words, risks in (("view", preset.view_risks), ("reconstruction", preset.run_risks)) if risks]
     config = preset.model_dump(mode="json", exclude={"domain"})
@@ -38,10 +38,11 @@ def certificate_html(certificate: Certificate, failures: Sequence[Failure]) -> s
             confidence=preset.confidence,
             draw_words=" or a ".join(kinds),
             promises=[promise_row(p) for p in certificate.promises],
-            values=list(certificate.evidence.settings[certificate.shown].values.items()),
-            domain=list(flattened(preset.domain.model_dump(mode="json", exclude={"sensor"}, exclude_none=True)))
-            + list(flattened({"sensor": preset.domain.sensor.model_dump(mode="json", exclude_defaults=True)})),
+            values=list(setting.values.items()),
+            domain=list(flattened(domain.model_dump(mode="json", exclude={"sensor"}, exclude_none=True)))
+            + list(flattened({"sensor": domain.sensor.model_dump(mode="json", exclude_defaults=True)})),
             fewest=FEWEST_IN_CELL,
+            cameras=len(study.cameras),
             combinations=[combination_row(c) for c in certificate.combinations],
             stresses=[
                 {"words": s.words, "verdict": s.verdict, "shares": shares(s.promises)} for s in certificate.stresses
@@ -125,7 +126,7 @@ def dots(certificate: Certificate, x: np.ndarray, y: np.ndarray, words: Sequence
 def detector(certificate: Certificate) -> DetectorCurves:
     """Precision and recall of all views, under every setting that they were scored with."""
     study, choice, settings = certificate.study, certificate.choice, certificate.evidence.settings
-    found = precision_recall(setting_combinations(study.preset, RESCORED), study.region_pixels())
+    found = precision_recall(study.view_settings, study.region_pixels())
     marked = [(mark_of(choice, k), setting.view_setting) for k, setting in enumerate(settings)]
     highest = {number: klass for mark in MARKS for klass, number in marked if klass == mark}
     return detector_curves(found, highest)
@@ -134,7 +135,7 @@ def detector(certificate: Certificate) -> DetectorCurves:
 def progress(certificate: Certificate) -> ProgressFigures | None:
     """How reconstructions get on under each setting that they were made with; None where none is finished."""
     settings = certificate.evidence.settings
-    rows = [[read_progress(case) for case in row] for row in certificate.study.whole_runs(settings)]
+    rows = [[read_progress(case) for case in row] for row in certificate.study.whole_runs(settings).values()]
     words = told_apart([setting.values for setting in settings])
     shown = [
         ShownRuns(words[k], k == certificate.choice.chosen, runs) for k, runs in enumerate(zip(*rows, strict=True))

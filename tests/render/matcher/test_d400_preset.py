@@ -147,3 +147,12 @@ def test_matcher_text_says_the_same_again(tmp_path):
     assert again.settings == preset.settings
     assert "laser" not in preset.matcher_text
     assert load_preset(preset_by_name("hand").matcher_text) == preset_by_name("hand")
+
+
+def test_a_whole_file_as_text_says_the_same_again(tmp_path):
+    """Laser, exposure and all; a preset with a name is its name."""
+    preset = preset_from_file(write(tmp_path / "d.json", DEFAULT_FILE | {"controls-laserpower": 90}))
+    again = load_preset(preset.text)
+    assert (again.settings, again.values, again.text) == (preset.settings, preset.values, preset.text)
+    assert again.values["controls-laserpower"] == 90
+    assert preset_by_name("hand").text == "hand"

@@ -1,4 +1,4 @@
-"""A bank of analytic views of a mirroring ball, written where a study looks for its own: nothing is rendered."""
+"""Banks of analytic views of a mirroring ball, written where a study looks for its own: nothing is rendered."""
 
 import json
 from dataclasses import fields
@@ -19,7 +19,7 @@ FALSE_M = 0.02
 
 
 def made_up_view(settings: BankSettings, number: int) -> BankedView:
-    """A view of the ball; on its plates a fifth of the ball's depth is false."""
+    """A view of the ball; on its plates a fifth of the ball's depth is false, but not under `high_accuracy`."""
     draw = view_draw(settings.domain, settings.seed, number)
     polar, azimuth = np.radians([draw.polar_deg, draw.azimuth_deg])
     outward = np.array([np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)])
@@ -29,7 +29,7 @@ def made_up_view(settings: BankSettings, number: int) -> BankedView:
     on_ball = np.isfinite(incidence)
     hole = on_ball & (np.nan_to_num(incidence, nan=9.0) < HIGHLIGHT)
     depths = burst.depths.copy()
-    if draw.part == "plate":
+    if draw.part == "plate" and settings.domain.sensor.preset != "high_accuracy":
         wrong = on_ball & ~hole & (np.random.default_rng(number).random(depth.shape) < 0.2)
         depths[:, wrong] += FALSE_M
     return BankedView(
@@ -37,14 +37,13 @@ def made_up_view(settings: BankSettings, number: int) -> BankedView:
     )
 
 
-def write_bank(out: Path, preset: ThresholdsPreset) -> Path:
-    """All views of the budget; returns the bank's folder."""
-    study = Study.of(out, preset)
-    folder = bank_folder(out, study.bank)
-    folder.joinpath("views").mkdir(parents=True)
-    for number in range(preset.budget.views):
-        view = made_up_view(study.bank, number)
-        draw = json.dumps(view_draw(preset.domain, preset.seed, number).model_dump(mode="json"))
-        arrays = {field.name: np.asarray(getattr(view, field.name)) for field in fields(view)}
-        write_arrays(view_file(folder, number), arrays | {"draw": np.frombuffer(draw.encode(), np.uint8)})
-    return folder
+def write_banks(out: Path, preset: ThresholdsPreset) -> None:
+    """All views of the budget, by every camera."""
+    for bank in Study.of(out, preset).banks:
+        folder = bank_folder(out, bank)
+        folder.joinpath("views").mkdir(parents=True)
+        for number in range(preset.budget.views):
+            view = made_up_view(bank, number)
+            draw = json.dumps(view_draw(preset.domain, preset.seed, number).model_dump(mode="json"))
+            arrays = {field.name: np.asarray(getattr(view, field.name)) for field in fields(view)}
+            write_arrays(view_file(folder, number), arrays | {"draw": np.frombuffer(draw.encode(), np.uint8)})

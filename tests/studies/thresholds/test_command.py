@@ -14,7 +14,7 @@ from studies.cli.reconstruct import ReconstructCommand
 from studies.run.reconstruct import ReconstructSettings
 from studies.run.replayed import ReplaySettings
 from tests.studies.browser import CHROMIUM, visit
-from tests.studies.thresholds.made_up_bank import write_bank
+from tests.studies.thresholds.made_up_bank import write_banks
 from tests.studies.thresholds.made_up_study import PRESET, STATED
 
 
@@ -24,7 +24,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     folder = tmp_path_factory.mktemp("thresholds")
     config, out = folder / "config.yaml", folder / "out"
     config.write_text(yaml.safe_dump(STATED))
-    write_bank(out, PRESET)
+    write_banks(out, PRESET)
     assert main(["study", "thresholds", str(config), "--out", str(out), "--workers", "1"]) == 0
     return config, out
 

@@ -19,7 +19,7 @@ from studies.thresholds.reconstructions import cell_reference, run_scores
 from studies.thresholds.reference import MONITOR, read_monitor
 from studies.thresholds.study import Study
 from tests.studies.run.analytic_ball import reconstruct_ball
-from tests.studies.thresholds.made_up_bank import write_bank
+from tests.studies.thresholds.made_up_bank import write_banks
 from tests.studies.thresholds.made_up_study import STATED
 
 N_RUNS = 24
@@ -47,7 +47,7 @@ def made(ball: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out, config = folder / "out", folder / "config.yaml"
     config.write_text(yaml.safe_dump(STATED_RUNS))
     preset = resolved_preset(ThresholdsPreset.model_validate(STATED_RUNS))
-    write_bank(out, preset)
+    write_banks(out, preset)
     # The views decide the finalist when the command scores them: every setting's runs are there.
     study = Study.of(out, preset)
     for minimum in (5, 400):
@@ -87,12 +87,12 @@ def test_a_scene_counts_when_all_settings_have_it(made: Path):
     study = Study.of(made, resolved_preset(ThresholdsPreset.model_validate(STATED_RUNS)))
     settings = study.settings(study.view_scores())
     whole = study.whole_runs(settings)
-    assert [len(row) for row in whole] == [2] * N_RUNS
+    assert {number: len(row) for number, row in whole.items()} == dict.fromkeys(range(N_RUNS), 2)
     lacking = study.run_tasks(settings)[7].case  # the second setting of the fourth scene
     assert lacking == whole[3][1]
     away = lacking.rename(lacking.with_name("away"))
     try:
-        assert study.whole_runs(settings) == whole[:3] + whole[4:]
+        assert study.whole_runs(settings) == {number: row for number, row in whole.items() if number != 3}
     finally:
         away.rename(lacking)
 
