@@ -49,9 +49,11 @@ def load_config(model: type[AnyConfig], path: Path) -> AnyConfig:
     return validated(model, read_yaml(path), str(path))
 
 
-def overlaid(config: AnyConfig, path: Path) -> AnyConfig:
-    """The configuration with what a YAML file says in its place, key by key."""
-    return validated(type(config), _merged(config.model_dump(), read_yaml(path)), str(path))
+def overlaid(config: AnyConfig, path: Path, apart: str = "") -> AnyConfig:
+    """The configuration with what a YAML file says in its place, key by key. apart: a key of the file that is somebody
+    else's."""
+    stated = {key: value for key, value in read_yaml(path).items() if key != apart}
+    return validated(type(config), _merged(config.model_dump(), stated), str(path))
 
 
 def _merged(under: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:

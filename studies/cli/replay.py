@@ -13,6 +13,7 @@ from studies.base.config import check_finite, overlaid
 from studies.base.console import say, say_json, warn
 from studies.base.flags import RecordingCommand, parse
 from studies.base.single_case import made_once
+from studies.run.recorded_sensor import SENSOR_SECTION, unlike_sensor
 from studies.run.recording_errors import recording_errors
 from studies.run.replayed import (
     REPLAY_COMMAND,
@@ -43,6 +44,9 @@ def run(args: list[str]) -> int:
     recording = opened_recording(command.recording, command.settings)
     for notice in recording.notices:
         warn(f"{_PROGRAM}: {notice}")
+    unlike = None if command.config is None else unlike_sensor(command.config, recording)
+    if unlike is not None:
+        warn(f"{_PROGRAM}: {unlike}")
     config = resolved_replay(command.settings, command.recording)
     if command.view and finished_case(command.out, case_digest(REPLAY_COMMAND, config)) is not None:
         raise InputError(
@@ -77,11 +81,11 @@ def _parsed(args: list[str]) -> ReplayCommand:
 
 
 def _over(args: list[str], settings: ReplaySettings) -> ReplayCommand:
-    """The flags over a file's settings, if one is named, over these."""
+    """The flags over a file's settings, if one is named, over these; what it says of the sensor is the recording's."""
     command = parse(ReplayCommand, args, _PROGRAM, _HELP, _defaults(settings))
     if command.config is None:
         return command
-    return parse(ReplayCommand, args, _PROGRAM, _HELP, _defaults(overlaid(settings, command.config)))
+    return parse(ReplayCommand, args, _PROGRAM, _HELP, _defaults(overlaid(settings, command.config, SENSOR_SECTION)))
 
 
 def _is_ours(path: Path) -> bool:

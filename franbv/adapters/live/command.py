@@ -27,6 +27,7 @@ from franbv.adapters.live.obstacles import AvoidsBoxes, cell_obstacles
 from franbv.adapters.live.opened_camera import OpenedCamera, open_camera
 from franbv.adapters.live.pulse import Pulse
 from franbv.adapters.live.resumed import CannotResumeError
+from franbv.adapters.live.stated_sensor import contradicted, stated_sensor, stated_words, thresholds_sections
 from franbv.adapters.live.switch import StoppedError, StopSwitch
 from franbv.adapters.recording.contents import Recording, RecordingError, RunFacts
 from franbv.adapters.recording.opening import record_extra
@@ -76,7 +77,7 @@ def run_live(flags: argparse.Namespace) -> int:
         flags.view and moves, title, parameters.invalid_share, _warn
     )  # ends last: the arm is closed by then
     with page as view, contextlib.ExitStack() as open_things, switch.at_signals():
-        opened = open_camera(flags.camera, stated_in(flags.camera_settings))
+        opened = open_camera(flags.camera, _camera_settings(flags))
         open_things.callback(opened.close)
         arm = _opened_arm(flags, cell, parameters, opened, switch, open_things)
         if not moves:
@@ -174,12 +175,32 @@ def _dry_run(arm: GuardedArm, parameters: Parameters, flags: argparse.Namespace)
 
 def _parameters(path: Path | None) -> Parameters:
     """CellError where the file says what no parameter is. They may stand under `parameters`, as in thresholds.yaml."""
-    stated = stated_in(path)
-    inner = stated.get("parameters")
+    stated, _ = thresholds_sections(stated_in(path))
     try:
-        return Parameters.model_validate(inner if set(stated) == {"parameters"} else stated)
+        return Parameters.model_validate(stated)
     except ValidationError as error:
         raise CellError(f"{path}: {first_fault(error, 'parameters')}; see franbv/parameters.py") from None
+
+
+def _camera_settings(flags: argparse.Namespace) -> dict[str, Any]:
+    """The camera's own, with what the thresholds hold for; what of that cannot be set here is said.
+
+    CellError where the two contradict each other.
+    """
+    own, (_, section) = stated_in(flags.camera_settings), thresholds_sections(stated_in(flags.parameters))
+    if not isinstance(section, dict):
+        raise CellError(f"{flags.parameters}: sensor: has no settings; give names and values")
+    stated = stated_sensor(section, flags.camera)
+    clash = contradicted(stated.settings, own)
+    if clash is not None:
+        raise CellError(f"{flags.parameters}: holds for {clash}; leave that out of {flags.camera_settings}")
+    if stated.settings:
+        _say(f"camera, by {flags.parameters}: {stated_words(stated.settings)}")
+    if stated.others:
+        _warn(
+            f"{flags.parameters}: holds for {stated_words(stated.others)}; nothing here sets that, see to it yourself"
+        )
+    return own | stated.settings
 
 
 def _check_frame(cell: RobotCell, parameters: Parameters, path: Path) -> None:

@@ -2,11 +2,13 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 from franbv.adapters.recording.contents import CameraFacts, Recording, RunFacts
 from materials.input_error import InputError
@@ -15,7 +17,7 @@ from studies.cli.main import main
 from studies.cli.reconstruct import ReconstructCommand, check_record, check_starts
 from studies.run.bursts import KeptCaptures
 from studies.run.reconstruct import ReconstructSettings
-from studies.run.recorded_sensor import sensor_fields
+from studies.run.recorded_sensor import sensor_fields, unlike_sensor
 from studies.run.recording import recording_of
 from studies.run.replayed import ReplaySettings, resolved_replay
 from studies.run.run_case import RunSettings, write_run
@@ -246,6 +248,36 @@ def test_the_sensor_of_a_recording():
     off = _recording({"laser_power": 210.0, "emitter_enabled": 0.0, "visual_preset": "Hand"}, None)
     dark = SensorSettings.model_validate(sensor_fields(off))
     assert (dark.imager.laser_power_mw, dark.preset, dark.model) == (0.0, "hand", "d435i")
+
+
+def test_a_recording_by_another_sensor(recorded: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    """Thresholds that hold for a sensor are replayed, and it is said what the recording has otherwise or does not tell;
+    a preset is told by its number, the mount's turn is the planner's."""
+    file = tmp_path / "thresholds.yaml"
+    stated = {"preset": "high_accuracy", "roll_deg": 90.0, "imager": {"laser_power_mw": 360}}
+    file.write_text(yaml.safe_dump({"sensor": stated}))
+    options: dict[str, Any] = {"laser_power": 360.0, "visual_preset": 3.0}
+    assert unlike_sensor(file, _recording(options, None)) is None
+    words = unlike_sensor(file, _recording({"laser_power": 150.0}, None))
+    assert words == (
+        f"{file}: its parameters hold for imager.laser_power_mw 360.0, preset high_accuracy; "
+        "the recording has imager.laser_power_mw 150.0 and does not tell preset"
+    )
+    ours = SensorSettings(preset="high_accuracy").resolved().model_dump(mode="json")
+    simulated = replace(_recording({}, None), run=RunFacts(sensor=ours))
+    told = unlike_sensor(file, simulated)
+    assert told is not None
+    assert told.endswith("hold for imager.laser_power_mw 360.0; the recording has imager.laser_power_mw 150.0")
+    live = {"options": options | {"exposure": None}, "settings": {"preset": "high_accuracy"}}
+    assert unlike_sensor(file, replace(simulated, run=RunFacts(sensor=live))) is None
+    assert main(["replay", str(recorded[1]), "--config", str(file), "--out", str(tmp_path / "out")]) == 0
+    assert "the recording does not tell imager.laser_power_mw, preset" in capsys.readouterr().err
+    file.write_text("sensor: {prest: hand}")
+    with pytest.raises(InputError, match=r"thresholds.yaml, sensor: unknown key `prest`; did you mean preset"):
+        unlike_sensor(file, simulated)
+    file.write_text("sensor: 3")
+    with pytest.raises(InputError, match="`sensor` holds no keys with values"):
+        unlike_sensor(file, simulated)
 
 
 def _recording(options: dict[str, Any], model: str | None) -> Recording:

@@ -175,6 +175,28 @@ def test_bad_flags_are_one_line(changes, words, command, capsys):
     assert words in capsys.readouterr().err
 
 
+def test_thresholds_that_hold_for_a_camera(command, tmp_path, capsys):
+    """Of a camera of somebody's own all is said; a RealSense's own settings may not contradict it, which is one line
+    before a camera is looked for."""
+    stated = {"parameters": PARAMETERS.model_dump(mode="json"), "sensor": {"preset": "hand", "roll_deg": 0.0}}
+    thresholds = tmp_path / "thresholds.yaml"
+    thresholds.write_text(yaml.safe_dump(stated))
+    assert run(["run", *command(parameters=thresholds)]) == 0
+    assert (
+        f"{thresholds}: holds for preset hand; nothing here sets that, see to it yourself\n" in capsys.readouterr().err
+    )
+    (tmp_path / "camera.yaml").write_text("preset: default\n")
+    flags = command(parameters=thresholds, camera="realsense")
+    assert run(["run", *flags, "--camera-settings", str(tmp_path / "camera.yaml")]) == 2
+    complaint = capsys.readouterr().err
+    assert (
+        f"{thresholds}: holds for preset hand, and not default; leave that out of {tmp_path}/camera.yaml" in complaint
+    )
+    thresholds.write_text(yaml.safe_dump(stated | {"sensor": 3}))
+    assert run(["run", *command(parameters=thresholds)]) == 2
+    assert "sensor: has no settings; give names and values" in capsys.readouterr().err
+
+
 def test_a_first_view_that_the_guard_refuses(command, tmp_path, capsys):
     """Through a wall: the dry run says why, in one line."""
     wall = {"keep_out": {"wall": ((0.1, -0.6, 0.0), (0.5, 0.6, 0.9))}}

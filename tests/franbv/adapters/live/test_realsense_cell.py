@@ -9,6 +9,7 @@ from franbv.adapters.camera_error import CameraError
 from franbv.adapters.live.pulse import Pulse
 from franbv.adapters.live.realsense_cell import open_realsense, opened_realsense
 from franbv.adapters.live.run import LiveRun, last_recording
+from franbv.adapters.live.stated_sensor import stated_sensor
 from franbv.adapters.realsense.burst import DEPTH_STREAM, LEFT_INFRARED, RIGHT_INFRARED
 from franbv.adapters.recording.contents import RunFacts
 from franbv.adapters.recording.replay import replay
@@ -85,6 +86,28 @@ def test_settings_that_are_none():
     """Named in one line before a camera is looked for."""
     with pytest.raises(CameraError, match="camera settings: lazer: Extra inputs are not permitted"):
         open_realsense({"lazer": 1})
+
+
+def test_what_thresholds_hold_for_is_what_the_camera_does():
+    """Preset, laser and a held exposure of a study's file stand in the camera; the rest is left over."""
+    section = {
+        "preset": "high_accuracy",
+        "auto_exposure": False,
+        "roll_deg": 90.0,
+        "imager": {"exposure_us": 3000.0, "gain": 32.0, "laser_power_mw": 360.0, "set_point": 80.0},
+        "depth": {"unit": 1e-4},
+    }
+    stated = stated_sensor(section, "realsense")
+    assert stated.others == {"imager.set_point": 80.0, "depth.unit": 1e-4}
+    device = SoftwareCamera()
+    with Bench([device]).camera(**stated.settings):
+        want = {"visual_preset": 3, "laser_power": 360, "enable_auto_exposure": 0, "exposure": 3000, "gain": 32}
+        assert {name: device.option(name) for name in want} == want
+    auto = stated_sensor(section | {"auto_exposure": True}, "realsense")
+    assert auto.settings == {"preset": "high_accuracy", "laser_power_mw": 360.0, "exposure_us": "auto"}
+    content = stated_sensor({"preset": '{"param-secondpeakdelta": 500.0}'}, "realsense")
+    assert (content.settings, list(content.others)) == ({}, ["preset"])
+    assert stated_sensor(section, "my.camera:opened").settings == {}
 
 
 def test_the_pulse_of_a_camera():
