@@ -11,7 +11,6 @@ from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
 from franbv.acquisition import Acquisition, Kind
-from franbv.candidates import candidate_poses
 from franbv.frames import Intrinsics, back_project
 from franbv.geometry.oriented_box import OrientedBox
 from franbv.model import Model, Timed, model_of, model_with
@@ -124,7 +123,7 @@ class PlanningCell:
         """The reachable candidate of largest utility; None if the arm reaches none."""
         with self.clock.planning("candidates"):
             azimuth = self.azimuths.uniform(0.0, 2 * np.pi)
-            candidates = candidate_poses(model.object.box, self.parameters, azimuth)
+            candidates = self.planner.candidates(model, self.parameters, azimuth)
         with self.clock.planning("reachability"):
             reachable = [pose for pose in candidates if self.reachable(pose)]
         if not reachable:

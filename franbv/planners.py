@@ -6,12 +6,12 @@ reflective regions, how they are found, viewed and judged. The loop in `reconstr
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
+from franbv.candidates import candidate_poses
 from franbv.ellipsoids import Ellipsoids, fit_ellipsoids
 from franbv.frames import Intrinsics
 from franbv.geometry.oriented_box import OrientedBox
@@ -37,6 +37,14 @@ Detect = Callable[[DepthBurst, Model, Parameters], Detection]
 Poses = Callable[[OrientedBox, RigidTransform, Parameters, Callable[[RigidTransform], bool], float], RecoveryPoses]
 ScoreRecovery = Callable[[Model, OrientedBox, Intrinsics, Sequence[RigidTransform], Parameters], Float[np.ndarray, "n"]]
 Judge = Callable[[Model, Model, OrientedBox, Parameters], tuple[float, float]]
+
+
+Candidates = Callable[[Model, Parameters, float], list[RigidTransform]]
+
+
+def ring_candidates(model: Model, parameters: Parameters, azimuth_offset: float) -> list[RigidTransform]:
+    """The paper's: rings around the object's box (section III-C)."""
+    return candidate_poses(model.object.box, parameters, azimuth_offset)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +84,8 @@ class Planner:
     """(model, intrinsics, poses, parameters) -> utility of each pose; larger is better."""
     recovery: Recovery | None = None
     """None: missing depth is taken as unexplored, as in PB-NBV."""
+    candidates: Candidates = ring_candidates
+    """(model, parameters, azimuth [rad]) -> poses among which the next best view is chosen."""
 
 
 def pb() -> Planner:
@@ -119,28 +129,6 @@ def ray_entropy(gain: Gain = DEFAULT_GAIN, within_object: bool = False) -> Plann
 def random_views() -> Planner:
     """Any reachable candidate: what every other planner must beat."""
     return Planner("random", integrate_burst, without_ellipsoids, all_alike)
-
-
-class KnownPlanner(NamedTuple):
-    """A planner that the commands and the studies offer."""
-
-    build: Callable[[], Planner]
-    words: str
-    """What reports call it."""
-
-
-PLANNERS: dict[str, KnownPlanner] = {
-    "fra": KnownPlanner(fra, "FRA-NBV"),
-    "pb": KnownPlanner(pb, "PB-NBV"),
-    "re": KnownPlanner(ray_entropy, "ray-cast entropy"),
-    "random": KnownPlanner(random_views, "random views"),
-}
-"""Planners by their name in flags and configurations; a row here is all that makes one known."""
-
-if TYPE_CHECKING:
-    PlannerName = str
-else:
-    PlannerName = Literal[tuple(PLANNERS)]
 
 
 def integrate_burst(voxel_map: VoxelMap, burst: DepthBurst, parameters: Parameters) -> VoxelMap:

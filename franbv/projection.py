@@ -11,7 +11,7 @@ from scipy.spatial.transform import RigidTransform
 from franbv.ellipsoids import Ellipsoids
 from franbv.frames import Intrinsics
 from franbv.geometry.polygons import NEAR, cross, image_corners
-from franbv.ray_hits import ray_hits
+from franbv.geometry.ray_hits import ray_hits
 
 
 def in_camera_frame(

@@ -15,9 +15,9 @@ from sklearn.cluster import DBSCAN
 
 from franbv.ellipsoids import Ellipsoids
 from franbv.geometry.oriented_box import OrientedBox, oriented_box
+from franbv.geometry.ray_hits import first_hit_depths
 from franbv.parameters import Parameters
 from franbv.projection import in_camera_frame, silhouette
-from franbv.ray_hits import first_hit_depths
 from franbv.sensing import DepthBurst
 
 

@@ -28,7 +28,7 @@ from franbv.adapters.live.switch import StoppedError
 from franbv.adapters.recording.contents import RecordingError
 from franbv.adapters.recording.tape import OffTapeError
 from franbv.adapters.view.sight import ViewError
-from franbv.planners import PLANNERS
+from franbv.known_planners import PLANNERS
 from materials.input_error import InputError
 from render.matcher.by_name import MATCHERS
 from render.world.backend import BackendError

@@ -4,8 +4,8 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
+from franbv.known_planners import PlannerName
 from franbv.parameters import Count, Parameters
-from franbv.planners import PlannerName
 from materials.suggestion import suggest
 from render.d435i import SensorSettings
 from scenes.build import BenchName

@@ -7,8 +7,9 @@ import tyro
 from jaxtyping import Bool
 from pydantic import Field
 
+from franbv.known_planners import PLANNERS
 from franbv.parameters import Parameters
-from franbv.planners import PLANNERS, Planner, fra, ray_entropy
+from franbv.planners import Planner, fra, ray_entropy
 from franbv.reflective_regions import FILTERS, View, first_hit_of_any, located
 from franbv.volumetric_information import DEFAULT_GAIN, Gain
 from studies.base.config import Config

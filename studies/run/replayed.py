@@ -17,8 +17,8 @@ from franbv.adapters.recording.opening import open_recording
 from franbv.adapters.recording.replay import Replay, replay
 from franbv.adapters.view.sight import ViewSink
 from franbv.frames import Intrinsics, block_centre_intrinsics
+from franbv.known_planners import PLANNERS
 from franbv.parameters import Positive
-from franbv.planners import PLANNERS
 from materials.input_error import InputError
 from render.depth.decimation import crop_centre, decimate
 from studies.base.atomic_file import file_digest, folder_digest, write_atomically

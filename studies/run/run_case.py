@@ -10,8 +10,8 @@ from franbv.acquisition import Acquisition, Reconstruction
 from franbv.adapters.recording.watched import Watch
 from franbv.adapters.view.sight import ViewSink
 from franbv.evaluation.reference import Reference
+from franbv.known_planners import PlannerName
 from franbv.parameters import Parameters
-from franbv.planners import PlannerName
 from franbv.reconstruction import reconstruct
 from franbv.sensing import Arm
 from studies.base.atomic_file import write_atomically

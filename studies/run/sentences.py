@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from franbv.planners import PLANNERS
+from franbv.known_planners import PLANNERS
 from studies.base.numbers_as_text import counted, millimetre_words, number, percent
 
 STOP_WORDS = {

@@ -17,8 +17,8 @@ from franbv.adapters.recording.contents import Recording, RecordingError
 from franbv.adapters.recording.open_loop import first_frames
 from franbv.cell import PlanningCell
 from franbv.ellipsoids import Ellipsoids
+from franbv.known_planners import PLANNERS
 from franbv.parameters import Parameters
-from franbv.planners import PLANNERS
 from franbv.reflective_regions import View, persistent_invalid
 from franbv.sensing import DepthBurst
 from franbv.stopping import StopReason

@@ -7,6 +7,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from franbv.ellipsoids import Ellipsoids
 from franbv.frames import Intrinsics, look_at, project
+from franbv.geometry.ray_hits import first_hit_depths, ray_hits
 from franbv.projection import (
     dual_conics,
     ellipse_areas_in_image,
@@ -15,7 +16,6 @@ from franbv.projection import (
     projected_areas,
     silhouette,
 )
-from franbv.ray_hits import first_hit_depths, ray_hits
 
 SENSOR = Intrinsics(60, 40, 40.125, 40.125, 29.5, 19.5)
 WIDE = Intrinsics(4000, 3000, 300.0, 350.0, 1900.0, 1500.0)

@@ -34,8 +34,8 @@ from franbv.adapters.recording.opening import record_extra
 from franbv.adapters.view.opening import shown_live
 from franbv.adapters.view.sight import ViewSink
 from franbv.candidates import first_view
+from franbv.known_planners import PLANNERS
 from franbv.parameters import Parameters
-from franbv.planners import PLANNERS
 
 ONE_LINE = (CameraError, RecordingError, CellError, ArmError, RefusedError, CannotResumeError, StoppedError)
 """What ends a command in one line and with status 2."""

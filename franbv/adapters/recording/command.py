@@ -20,8 +20,8 @@ from franbv.adapters.recording.opening import open_recording
 from franbv.adapters.recording.replay import Replay, replay
 from franbv.adapters.view.opening import rrd_file
 from franbv.adapters.view.sight import ViewSink
+from franbv.known_planners import PLANNERS
 from franbv.parameters import Parameters
-from franbv.planners import PLANNERS
 
 REPLAY_FILE = "replay.json"
 """What a replay leaves in its folder: figures, decisions and, open-loop, proposals."""

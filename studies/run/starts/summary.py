@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from franbv.planners import PLANNERS
+from franbv.known_planners import PLANNERS
 from studies.base.numbers_as_text import counted, percent
 from studies.run.acquisition_table import MAP_COVERAGE, RAW_COVERAGE
 from studies.run.starts.runs import FinishedStart

@@ -59,7 +59,7 @@ class RunProgress:
 
 
 @dataclass(frozen=True)
-class Gain:
+class NextGain:
     """What going on brings, over all runs."""
 
     acquisitions: int
@@ -102,11 +102,11 @@ def by_second(runs: Sequence[RunProgress], times: Sequence[float]) -> MeanCurve:
     return tuple((seconds, mean_interval([run.at(seconds) for run in runs])) for seconds in times)
 
 
-def gains(runs: Sequence[RunProgress]) -> tuple[Gain, ...]:
+def gains(runs: Sequence[RunProgress]) -> tuple[NextGain, ...]:
     """What going on brings after so many acquisitions as AFTER says, while any run goes on."""
     lengths = [len(run.coverage) for run in runs]
     return tuple(
-        Gain(
+        NextGain(
             n,
             sum(length > n for length in lengths),
             *(

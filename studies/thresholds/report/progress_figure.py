@@ -11,8 +11,8 @@ from studies.drawing.band_figure import Curve, band_and_line
 from studies.drawing.cells import NO_NUMBER, POINTS, mean_and_range
 from studies.thresholds.report.progress import (
     AFTER,
-    Gain,
     MeanCurve,
+    NextGain,
     RunProgress,
     by_acquisition,
     by_second,
@@ -79,7 +79,7 @@ def progress_figures(shown: Sequence[ShownRuns]) -> ProgressFigures:
     )
 
 
-def gain_rows(words: str, found: Sequence[Gain]) -> list[dict[str, Any]]:
+def gain_rows(words: str, found: Sequence[NextGain]) -> list[dict[str, Any]]:
     """Of a setting, which the first of its rows names; one that says so where no run goes on for long enough."""
     cells = [
         {

@@ -1,0 +1,95 @@
+"""Where to look next: what is left to be measured, times the chance that it succeeds from there, per second.
+
+The chance is that of a beta-binomial over ranges of incidence and turns of the camera, counted in this run alone: a
+range starts as likely to succeed as to fail, and looks that failed at a place lower it there. So neither geometry nor
+material nor reflectance are known beforehand; a mirror that fails on end is tried level, and face on.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial.transform import RigidTransform
+
+from franbv.candidates import candidate_poses
+from franbv.frames import Intrinsics, look_at, rolled
+from franbv.model import Model
+from franbv.parameters import Parameters
+from franbv.robust.evidence import EvidenceMap, incidence_range, with_scans
+from franbv.robust.hypothesis import Hypothesis, visible
+from franbv.robust.scans import quarter_turn
+from franbv.robust.settings import RobustSettings
+
+FACES_LEFT = 6
+"""Directions of what is left to be measured that poses are made for (choice: a box has as many)."""
+SAME_FACE = 0.9
+"""Cosine between normals of one face (choice: 26 deg)."""
+STAND_OFFS = (0.0, 0.08)
+"""Of poses face on, beyond the planner's stand-off from the face [m] (choice: near, and far enough for a part)."""
+HIGHEST_LOOK = 0.12
+"""Sine of the elevation that poses face on keep at least [-] (choice: the camera's body clears the table)."""
+
+
+def robust_candidates(
+    model: Model, left: Hypothesis, parameters: Parameters, azimuth_offset: float, settings: RobustSettings
+) -> list[RigidTransform]:
+    """The paper's candidates, and poses face on to what is left to be measured, each in every turn of the camera."""
+    upright = parameters.model_copy(update={"roll_deg": 0.0})
+    poses = candidate_poses(model.object.box, upright, azimuth_offset) + face_on(left, parameters)
+    return [rolled(pose, parameters.roll_deg + turn) for turn in settings.turns_deg for pose in poses]
+
+
+def face_on(left: Hypothesis, parameters: Parameters) -> list[RigidTransform]:
+    """Upright poses that look along the commonest normals of what is left, at its middle."""
+    weight = 1.0 / (1.0 + left.looks.sum(axis=(1, 2)))
+    poses, free = [], np.ones(len(weight), bool)
+    for _ in range(FACES_LEFT):
+        if not free.any():
+            break
+        near = left.normals @ left.normals[free].T > SAME_FACE
+        best = np.argmax((weight[:, None] * near).sum(axis=0))
+        face = near[:, best] & free
+        free &= ~near[:, best]
+        target = np.average(left.places[face], axis=0, weights=weight[face])
+        normal = np.average(left.normals[face], axis=0, weights=weight[face])
+        normal[2] = max(normal[2], HIGHEST_LOOK)
+        normal /= np.linalg.norm(normal)
+        poses += [look_at(target + (parameters.stand_off + more) * normal, target) for more in STAND_OFFS]
+    return poses
+
+
+def gain_per_second(
+    model: Model,
+    left: Hypothesis,
+    intrinsics: Intrinsics,
+    poses: Sequence[RigidTransform],
+    settings: RobustSettings,
+) -> Float[np.ndarray, "n"]:
+    """Area that each view is expected to confirm, per second of motion and sensing [m^2/s]."""
+    grid = with_scans(model.voxel_map)
+    chances = success_chances(grid, settings)
+    tries = np.cumsum(left.looks, axis=2)  # what failed face on fails from the side as well
+    gains = np.zeros(len(poses))
+    for number, pose in enumerate(poses):
+        seen, cosine, _, _ = visible(grid, pose, intrinsics, left.places, left.normals, settings)
+        which = np.flatnonzero(seen)
+        turn, ranges = quarter_turn(pose), incidence_range(cosine[which])
+        tried = tries[which, turn, ranges]
+        chance = chances[turn, ranges] * settings.element_trials / (settings.element_trials + tried)
+        gains[number] = left.area * chance.sum() / _seconds(grid, pose, settings)
+    return gains
+
+
+def success_chances(grid: EvidenceMap, settings: RobustSettings) -> Float[np.ndarray, "2 b"]:
+    """Mean of the beta distribution of each turn and range, which begins as Beta(1, 1)."""
+    successes, failures = (counts / settings.pixels_per_trial for counts in (grid.successes, grid.failures))
+    return (1.0 + successes) / (2.0 + successes + failures)
+
+
+def _seconds(grid: EvidenceMap, pose: RigidTransform, settings: RobustSettings) -> float:
+    if not grid.scans:
+        return settings.sensing_s
+    last = grid.scans[-1].T_world_cam
+    way = float(np.linalg.norm(pose.translation - last.translation))
+    turn = float((last.rotation.inv() * pose.rotation).magnitude())
+    return settings.sensing_s + max(way / settings.speed, turn / settings.turning_speed)

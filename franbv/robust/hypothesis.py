@@ -1,0 +1,141 @@
+"""Where surface may be that nobody has measured: the hull of what is confirmed, down to what it stands on.
+
+A mirror that was looked at from the wrong side leaves no hole: it shows what it reflects, and the map calls its place
+free. What is confirmed stands on something, though, and is closed. The hull of the object's voxels and of their shadow
+on the table is the simplest surface that closes it; where no measured voxel lies at the hull, something is left to be
+seen, along its normal above all. Of a concave part the hull spans air: a ray that passes it and ends on confirmed
+surface of the object says so.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.spatial import ConvexHull, KDTree, QhullError
+
+from franbv.model import Model
+from franbv.parameters import Parameters
+from franbv.robust.evidence import N_TURNS, EvidenceMap, incidence_range, with_scans
+from franbv.robust.rays import cells_of, first_surfaces
+from franbv.robust.scans import Scan
+from franbv.robust.settings import RobustSettings
+
+MOST_ELEMENTS = 1500
+"""Elements of the surface (choice: a centimetre apart on a part of 20 cm)."""
+UNDERSIDE = -0.5
+"""Elements whose normal's height is below this look at what the part stands on and are left out [-] (choice)."""
+SEEN_AT = 1.5
+"""An element is measured if an occupied voxel of the object lies nearer than this [s_v] (choice: a voxel and a half,
+the hull runs through the voxels' centres)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """Elements of surface that are still to be measured."""
+
+    places: Float[np.ndarray, "n 3"]
+    """World [m]."""
+    normals: Float[np.ndarray, "n 3"]
+    """Outward."""
+    area: float
+    """Of each [m^2]."""
+    looks: Float[np.ndarray, "n 2 b"]
+    """Views that have looked at each in vain, by turn of the camera and range of incidence."""
+
+
+def hypothesis(model: Model, parameters: Parameters, settings: RobustSettings) -> Hypothesis:
+    """What is still to be measured of a model."""
+    grid = with_scans(model.voxel_map)
+    places, normals, area = _hull_elements(model, parameters)
+    keep = normals[:, 2] > UNDERSIDE
+    if len(model.object.occupied):
+        nearest = KDTree(model.object.occupied).query(places)[0]
+        keep &= nearest > SEEN_AT * grid.voxel_size
+    places, normals = places[keep], normals[keep]
+    bins = grid.successes.shape[1]
+    looks, refuted = np.zeros((len(places), N_TURNS, bins)), np.zeros(len(places), bool)
+    for scan in grid.scans:
+        seen, cosine, through = _looks(grid, scan, places, normals, parameters, settings)
+        which = incidence_range(cosine[seen])
+        looks[np.flatnonzero(seen), scan.turn, which] += 1.0
+        refuted |= through
+    return Hypothesis(places[~refuted], normals[~refuted], area, looks[~refuted])
+
+
+def _hull_elements(
+    model: Model, parameters: Parameters
+) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"], float]:
+    """Points spread evenly over the hull, outward normals, area of each [m^2]."""
+    corners = model.object.occupied
+    if len(corners) >= 4:
+        shadow = corners.copy()
+        shadow[:, 2] = parameters.table_height
+        corners = np.concatenate([corners, shadow])
+    else:
+        corners = model.object.box.corners()
+    try:
+        hull = ConvexHull(corners)
+    except QhullError:  # all in a plane, before anything stands up
+        corners = model.object.box.corners()
+        hull = ConvexHull(corners)
+    triangles = corners[hull.simplices]
+    sizes = np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1) / 2
+    rng = np.random.default_rng(0)
+    n = int(np.clip(sizes.sum() / model.voxel_map.voxel_size**2, 1, MOST_ELEMENTS))
+    chosen = rng.choice(len(sizes), n, p=sizes / sizes.sum())
+    root, along = np.sqrt(rng.random((n, 1))), rng.random((n, 1))
+    one, two, three = (triangles[chosen, i] for i in range(3))
+    places = (1 - root) * one + root * (1 - along) * two + root * along * three
+    return places, hull.equations[chosen, :3], float(sizes.sum() / n)
+
+
+def _looks(
+    grid: EvidenceMap,
+    scan: Scan,
+    places: Float[np.ndarray, "n 3"],
+    normals: Float[np.ndarray, "n 3"],
+    parameters: Parameters,
+    settings: RobustSettings,
+) -> tuple[Bool[np.ndarray, "n"], Float[np.ndarray, "n"], Bool[np.ndarray, "n"]]:
+    """Elements that a scan looked at, the cosines, and those that it looked through onto confirmed surface."""
+    seen, cosine, distance, pixel = visible(grid, scan.T_world_cam, scan.intrinsics, places, normals, settings)
+    lengths = scan.lengths[pixel]
+    ends = scan.T_world_cam.translation + lengths[:, None] * scan.rays[pixel]
+    beyond = lengths > distance + settings.contradiction_voxels * grid.voxel_size
+    confirmed = np.abs(grid.normals).max(axis=-1) > 0
+    above = ends[:, 2] > parameters.table_height + parameters.table_clearance
+    through = seen & beyond & above & grid.lookup(confirmed, ends)
+    return seen, cosine, through
+
+
+def visible(
+    grid: EvidenceMap,
+    T_world_cam,
+    intrinsics,
+    places: Float[np.ndarray, "n 3"],
+    normals: Float[np.ndarray, "n 3"],
+    settings: RobustSettings,
+) -> tuple[Bool[np.ndarray, "n"], Float[np.ndarray, "n"], Float[np.ndarray, "n"], np.ndarray]:
+    """Elements within a view that face it and that no confirmed surface hides; cosine of the incidence, distance [m],
+    and the pixel of each, which is 0 outside the view."""
+    eye = T_world_cam.translation
+    towards = eye - places
+    distance = np.linalg.norm(towards, axis=1)
+    cosine = np.sum(towards * normals, axis=1) / distance
+    camera = T_world_cam.inv().apply(places)
+    z = np.where(camera[:, 2] > 0, camera[:, 2], np.inf)
+    u = np.rint(intrinsics.fx * camera[:, 0] / z + intrinsics.cx)
+    v = np.rint(intrinsics.fy * camera[:, 1] / z + intrinsics.cy)
+    seen = (camera[:, 2] > 0) & (cosine > settings.least_cosine)
+    seen &= (u >= 0) & (u < intrinsics.width) & (v >= 0) & (v < intrinsics.height)
+    pixel = np.where(seen, v * intrinsics.width + u, 0).astype(np.int64)
+    which = np.flatnonzero(seen)
+    if len(which):
+        rays = -towards[which] / distance[which, None] / grid.voxel_size
+        origin = cells_of(eye[None], grid.first, grid.voxel_size)[0]
+        reach = distance[which] - SEEN_AT * grid.voxel_size
+        hidden = first_surfaces(
+            grid.log_odds.shape, np.tile(origin, (len(which), 1)), rays, grid.normals, settings.least_cosine, reach
+        )[0]
+        seen[which] = ~np.isfinite(hidden)
+    return seen, cosine, distance, pixel

@@ -1,0 +1,44 @@
+"""fra-robust as a planner: the map of `evidence`, the views of `choice`, the paper's loop."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial.transform import RigidTransform
+
+from franbv.frames import Intrinsics
+from franbv.model import Model
+from franbv.parameters import Parameters
+from franbv.planners import Planner, without_ellipsoids
+from franbv.robust.choice import gain_per_second, robust_candidates
+from franbv.robust.evidence import EvidenceMap, integrate_robustly
+from franbv.robust.hypothesis import Hypothesis, hypothesis
+from franbv.robust.settings import RobustSettings
+from franbv.sensing import DepthBurst
+from franbv.voxel_map import VoxelMap
+
+
+def fra_robust(settings: RobustSettings | None = None) -> Planner:
+    """Views of what is left to be measured, from where it is likely to succeed. settings: None = the defaults."""
+    settings = settings or RobustSettings()
+
+    def integrate(voxel_map: VoxelMap, burst: DepthBurst, parameters: Parameters) -> EvidenceMap:
+        return integrate_robustly(voxel_map, burst, parameters, settings)
+
+    known: dict[Model, Hypothesis] = {}
+
+    def left(model: Model, parameters: Parameters) -> Hypothesis:
+        if model not in known:
+            known.clear()
+            known[model] = hypothesis(model, parameters, settings)
+        return known[model]
+
+    def candidates(model: Model, parameters: Parameters, azimuth_offset: float) -> list[RigidTransform]:
+        return robust_candidates(model, left(model, parameters), parameters, azimuth_offset, settings)
+
+    def score(
+        model: Model, intrinsics: Intrinsics, poses: Sequence[RigidTransform], parameters: Parameters
+    ) -> Float[np.ndarray, "n"]:
+        return gain_per_second(model, left(model, parameters), intrinsics, poses, settings)
+
+    return Planner("fra-robust", integrate, without_ellipsoids, score, candidates=candidates)

@@ -1,0 +1,87 @@
+"""A burst as evidence: rays with lengths, and how far each is to be trusted before anything else was seen."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.spatial.transform import RigidTransform
+
+from franbv.frames import Intrinsics
+from franbv.parameters import Parameters
+from franbv.robust.settings import RobustSettings
+from franbv.sensing import DepthBurst
+
+OPPOSITE = (((0, 1), (2, 1)), ((1, 0), (1, 2)), ((0, 0), (2, 2)), ((0, 2), (2, 0)))
+"""Row and column of opposite neighbours in the 3 x 3 pixels around one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """One burst from one pose."""
+
+    depth: Float[np.ndarray, "h w"]
+    """Median of the burst [m], 0 = invalid."""
+    trust: Float[np.ndarray, "h w"]
+    """In each depth by itself [0, 1]: less at edges and in blocks that mix near and far."""
+    intrinsics: Intrinsics
+    T_world_cam: RigidTransform
+
+    @cached_property
+    def rays(self) -> Float[np.ndarray, "n 3"]:
+        """Unit directions of all pixels, row by row, in the world."""
+        rays = self.intrinsics.pixel_directions().reshape(-1, 3)
+        return self.T_world_cam.rotation.apply(rays / np.linalg.norm(rays, axis=1, keepdims=True))
+
+    @cached_property
+    def lengths(self) -> Float[np.ndarray, "n"]:
+        """Along each ray [m]; 0 = invalid."""
+        rays = self.intrinsics.pixel_directions().reshape(-1, 3)
+        return self.depth.ravel() * np.linalg.norm(rays, axis=1)
+
+    @property
+    def turn(self) -> int:
+        """Of the camera about its axis, in quarter turns from upright, 0 or 1: half a turn shows the same."""
+        return quarter_turn(self.T_world_cam)
+
+
+def scan_of(burst: DepthBurst, parameters: Parameters, settings: RobustSettings) -> Scan:
+    """The burst's median depth and what of it is mixed."""
+    depth = burst.median_depth(parameters.invalid_share)
+    trust = np.where(
+        supporting_neighbours(depth, settings.support_step) >= settings.supporting, 1.0, settings.unsupported_trust
+    )
+    trust[mixed_blocks(depth, settings.mixed_step)] = settings.mixed_trust
+    return Scan(depth, trust, burst.intrinsics, burst.T_world_cam)
+
+
+def mixed_blocks(depth: Float[np.ndarray, "h w"], step: float) -> Bool[np.ndarray, "h w"]:
+    """Pixels between a nearer and a farther neighbour, each by more than `step` [m], that lie opposite each other.
+
+    Decimation takes the mean of a block, so that one which holds a silhouette lies where nothing is.
+    """
+    padded = np.pad(depth, 1)
+    height, width = depth.shape
+    mixed = np.zeros(depth.shape, bool)
+    for pair in OPPOSITE:
+        one, other = (padded[r : r + height, c : c + width] for r, c in pair)
+        near, far = np.minimum(one, other), np.maximum(one, other)
+        mixed |= (near > 0) & (near < depth - step) & (far > depth + step)
+    return mixed & (depth > 0)
+
+
+def supporting_neighbours(depth: Float[np.ndarray, "h w"], step: float) -> Int[np.ndarray, "h w"]:
+    """How many of each pixel's eight neighbours differ from it by less than `step` [m]; 0 where it has no depth."""
+    padded = np.pad(depth, 1)
+    height, width = depth.shape
+    count = np.zeros(depth.shape, int)
+    for r, c in np.ndindex(3, 3):
+        neighbour = padded[r : r + height, c : c + width]
+        count += (neighbour > 0) & (np.abs(neighbour - depth) < step)
+    return np.where(depth > 0, count - 1, 0)  # it supports itself
+
+
+def quarter_turn(T_world_cam: RigidTransform) -> int:
+    """0 where the image's x axis is nearer to the horizontal than its y axis, else 1."""
+    x_up, y_up = np.abs(T_world_cam.rotation.as_matrix()[2, :2])
+    return int(x_up > y_up)

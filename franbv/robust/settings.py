@@ -1,0 +1,65 @@
+"""The numbers of fra-robust beyond those of `franbv.parameters`, each with its unit and its reason."""
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from franbv.parameters import Count, Positive, Share
+
+
+class RobustSettings(BaseModel):
+    """Of the map, of what is believed about views, and of the choice among them. Frozen; unknown keys are refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    # -- map ---------------------------------------------------------------------------------------------------------
+    false_hit: Annotated[float, Field(gt=0, lt=0.5)] = 0.004
+    """Probability that a depth which is wrong ends in a given free voxel of its ray [-]. Choice: a few percent of
+    depths lie before the surface, spread over the ten to twenty voxels there."""
+    mirrors: Share = 0.3
+    """Prior probability that a place lets rays pass as mirrors do, with any rate alike [-]. Choice: neither rule nor
+    exception; what is known of the material does not enter."""
+    passing: Positive = 9.0
+    """Elsewhere the rate at which rays pass a surface is distributed as Beta(1, this) [-]. Choice: one in ten, as at
+    silhouettes of matte parts."""
+    mixed_step: Positive = 0.012
+    """A block is mixed if opposite neighbours lie nearer and farther than it by more than this [m]. Choice: a plane
+    does that at this camera's resolution beyond 65 deg of incidence alone, where depth is worth little."""
+    mixed_trust: Share = 0.1
+    """Trust in the depth of a mixed block [-]. Choice: one of ten happens to lie right."""
+    support_step: Positive = 0.012
+    """A neighbour supports a pixel if its depth differs by less than this [m]. Choice: as `mixed_step`."""
+    supporting: Count = 5
+    """Of the eight neighbours that must support a pixel, or it is an edge or a floater [-]. Choice: on a straight edge
+    of a surface five do."""
+    unsupported_trust: Share = 0.3
+    """Trust in the depth of other pixels [-]. Choice: then one pass outweighs a hit by one of them, and five views
+    together confirm."""
+    confirmed_hits: Positive = 1.5
+    """Hits, weighted by trust, from which a surface counts as confirmed [-]. Choice: two views must agree."""
+    contradiction_voxels: Positive = 2.0
+    """A ray contradicts confirmed surface if it ends farther than this behind it [s_v]. Choice: noise and the
+    surface's place within its voxel make one."""
+    least_cosine: Share = 0.3
+    """Of the angle between a ray and a surface's normal below which it only grazes it and contradicts nothing [-].
+    Choice: at 73 deg a ray stays within a layer of voxels for three of them."""
+    passes: Count = 2
+    """Rounds of finding surface and taking back what contradicts it, for each burst [-]. Choice: a third changes less
+    than one voxel in a hundred."""
+
+    # -- views -------------------------------------------------------------------------------------------------------
+    pixels_per_trial: Positive = 20.0
+    """Pixels of one view that count as one trial of an incidence and a turn of the camera [-]. Choice: the pixels of a
+    patch go together."""
+    element_trials: Positive = 1.0
+    """Failed looks at a place after which success there is held half as likely [-]. Choice: as if one success had been
+    seen beforehand."""
+    turns_deg: tuple[float, ...] = (0.0, 90.0)
+    """Turns of the camera about its axis, beside the mount's, that are offered [deg]. Choice: a baseline along and
+    across whatever mirrors; 180 would see the same."""
+    sensing_s: Positive = 1.0
+    """Time of a burst [s]. Choice: fifteen frames at 30 per second and the wait for auto-exposure."""
+    speed: Positive = 0.5
+    """Of the camera between two views [m/s]. Choice: a planned motion at half of a collaborative arm's speed."""
+    turning_speed: Positive = 1.5
+    """Of its turn [rad/s]. Choice: as `speed`."""
