@@ -27,7 +27,7 @@ def test_files_and_commands_that_it_names_exist():
     named = re.findall(r"`((?:render|materials|scenes|tests)/[\w/]+\.py)`", TEXT)
     assert named
     assert [name for name in named if not (ROOT / name).exists()] == []
-    others = {"drawing", "demo", "objects", "delays"}  # named on other pages
+    others = {"drawing", "demo", "objects", "delays", "repetitions", "monitored"}  # named on other pages
     assert set(re.findall(r"python -m docs\.figures\.(\w+)", TEXT)) == set(SCRIPTS) - others
 
 

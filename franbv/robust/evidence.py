@@ -70,7 +70,7 @@ def weighed(grid: VoxelMap, scans: tuple[Scan, ...], settings: RobustSettings) -
     cosines = [np.zeros(scan.depth.size) for scan in scans]
     tolerance = settings.contradiction_voxels * grid.voxel_size
     hits = passes = np.zeros(shape, np.float32)
-    normals = np.zeros((*shape, 3), np.float32)
+    normals, log_odds = np.zeros((*shape, 3), np.float32), np.zeros(shape, np.float32)
     for _ in range(settings.passes):
         hits, passes = np.zeros(shape, np.float32), np.zeros(shape, np.float32)
         for scan, surface in zip(scans, surfaces, strict=True):
@@ -89,7 +89,6 @@ def weighed(grid: VoxelMap, scans: tuple[Scan, ...], settings: RobustSettings) -
                 shape, origins, directions, normals, settings.least_cosine, reach
             )
     successes, failures = _trials(scans, surfaces, cosines, tolerance)
-    log_odds = occupancy(hits, passes, settings)
     touched = (hits > 0) | (passes > 0)
     level = touched & (log_odds == 0)
     return EvidenceMap(

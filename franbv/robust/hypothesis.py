@@ -54,8 +54,9 @@ def hypothesis(model: Model, parameters: Parameters, settings: RobustSettings) -
     places, normals = places[keep], normals[keep]
     bins = grid.successes.shape[1]
     looks, refuted = np.zeros((len(places), N_TURNS, bins)), np.zeros(len(places), bool)
+    confirmed = np.any(grid.normals != 0, axis=-1)
     for scan in grid.scans:
-        seen, cosine, through = _looks(grid, scan, places, normals, parameters, settings)
+        seen, cosine, through = _looks(grid, confirmed, scan, places, normals, parameters, settings)
         which = incidence_range(cosine[seen])
         looks[np.flatnonzero(seen), scan.turn, which] += 1.0
         refuted |= through
@@ -91,6 +92,7 @@ def _hull_elements(
 
 def _looks(
     grid: EvidenceMap,
+    confirmed: Bool[np.ndarray, "x y z"],
     scan: Scan,
     places: Float[np.ndarray, "n 3"],
     normals: Float[np.ndarray, "n 3"],
@@ -102,7 +104,6 @@ def _looks(
     lengths = scan.lengths[pixel]
     ends = scan.T_world_cam.translation + lengths[:, None] * scan.rays[pixel]
     beyond = lengths > distance + settings.contradiction_voxels * grid.voxel_size
-    confirmed = np.abs(grid.normals).max(axis=-1) > 0
     above = ends[:, 2] > parameters.table_height + parameters.table_clearance
     through = seen & beyond & above & grid.lookup(confirmed, ends)
     return seen, cosine, through

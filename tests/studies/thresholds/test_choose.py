@@ -18,7 +18,8 @@ from studies.thresholds.choose import (
     repeated,
     split,
 )
-from studies.thresholds.config import Bearable, Budget
+from studies.thresholds.command import stated_draws
+from studies.thresholds.config import Bearable, Budget, ThresholdsPreset
 from studies.thresholds.score import false_depth_share, least_share, region_pixels, region_scores, scored
 from tests.studies.thresholds.made_up_bank import made_up_view
 from tests.studies.thresholds.made_up_study import STUDY
@@ -185,3 +186,10 @@ def test_combinations_by_closed_form():
     assert lower_share(4, 4) == 0.0
     found = promise("false_recoveries", RISKS["false_recoveries"], np.array([1.0, np.nan, 0.0, 1.0]))
     assert (found.draws, found.exceeding, found.share) == (3, 2, pytest.approx(2 / 3))
+
+
+@pytest.mark.parametrize("name", ["quick", "full"])
+def test_the_stored_presets_ask_for_what_their_budgets_can_certify(name: str):
+    """No level that no outcome could reach."""
+    preset = ThresholdsPreset.named(name)
+    check_budget(stated_draws(preset), preset.risks, preset.budget, preset.confidence)
