@@ -74,7 +74,7 @@ def run(args: list[str]) -> int:
     with executor_of(command.work) as executor:  # before anything is written
         prepare_output(command.out)
         write_preset(command.out, preset)
-        clock = StudyClock.started(command.out, command.out / RUNS, stored_outcome(command.out / SUMMARY).wall_s)
+        clock = StudyClock.started(command.out, [command.out / RUNS], stored_outcome(command.out / SUMMARY).wall_s)
         failures = reconstruct_all(command.out, preset, runs, executor)
     summary, comparison = evaluate(command.out, preset, runs, failures, clock.elapsed_s())
     clock.stop()

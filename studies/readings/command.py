@@ -53,7 +53,7 @@ def run(args: list[str]) -> int:
         prepare_output(command.out)
         write_preset_file(command.out / READINGS, preset, READINGS_FORMAT)
         outcome = stored_outcome(command.out / READINGS_SUMMARY)
-        clock = StudyClock.started(command.out, command.out / RUNS, outcome.wall_s)
+        clock = StudyClock.started(command.out, [command.out / RUNS], outcome.wall_s)
         failures = make_runs(command.out, runs, executor, _PROGRAM)
     told = evaluate_readings(command.out, preset, runs, failures, clock.elapsed_s())
     clock.stop()

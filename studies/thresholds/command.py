@@ -15,7 +15,7 @@ from studies.base.flags import parse
 from studies.base.inputs import check_not_overwritten
 from studies.base.output_errors import prepare_output
 from studies.base.stored_preset import read_preset_file
-from studies.run.batch import stored_outcome
+from studies.run.batch import RUNS, stored_outcome
 from studies.run.scene_settings import build_subject, preset_files, with_sensor_resolved
 from studies.thresholds.bank import BANK, drawn_alike, replace_part
 from studies.thresholds.certificate import (
@@ -90,7 +90,9 @@ def run(args: list[str]) -> int:
         stored = {"format": THRESHOLDS_FORMAT, "preset": preset.model_dump(mode="json")}
         write_atomically(command.out / THRESHOLDS_STUDY, strict_json(stored, indent=1).encode())
         clock = StudyClock.started(
-            command.out, command.out / BANK, stored_outcome(command.out / THRESHOLDS_SUMMARY).wall_s
+            command.out,
+            [command.out / BANK, command.out / RUNS],
+            stored_outcome(command.out / THRESHOLDS_SUMMARY).wall_s,
         )
         failures = draw_all(study, executor)
         failures = failures or draw_stressed(study, executor)
