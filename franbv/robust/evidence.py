@@ -15,7 +15,7 @@ back, and so is what they passed behind the surface (an expectation step with ha
 3DV 2015, have the soft one). What they passed before it stays passed.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Bool, Float, Float32
@@ -178,8 +178,8 @@ def incidence_range(cosine: Float[np.ndarray, "n"]) -> np.ndarray:
 
 
 def with_scans(grid: VoxelMap) -> EvidenceMap:
-    """An empty map that can be asked what an evidence map can."""
+    """Any map as one that can be asked what an evidence map can: its surface is known, its scans are not."""
     if isinstance(grid, EvidenceMap):
         return grid
     known = {name: getattr(grid, name) for name in ("first", "voxel_size", "log_odds", "cancelled", "threshold")}
-    return replace(EvidenceMap(**known), normals=np.zeros((*grid.log_odds.shape, 3), np.float32))
+    return EvidenceMap(**known, normals=surface_normals(grid.occupied, grid.occupied))

@@ -1,6 +1,8 @@
 """fra-robust as a planner: the map of `evidence`, the views of `choice`, the paper's loop."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float
@@ -9,7 +11,7 @@ from scipy.spatial.transform import RigidTransform
 from franbv.frames import Intrinsics
 from franbv.model import Model
 from franbv.parameters import Parameters
-from franbv.planners import Planner, without_ellipsoids
+from franbv.planners import Planner, pb, without_ellipsoids
 from franbv.robust.choice import gain_per_second, robust_candidates
 from franbv.robust.evidence import EvidenceMap, integrate_robustly
 from franbv.robust.hypothesis import Hypothesis, hypothesis
@@ -17,9 +19,18 @@ from franbv.robust.settings import RobustSettings
 from franbv.sensing import DepthBurst
 from franbv.voxel_map import VoxelMap
 
+RobustChange = Literal["map", "views"]
+"""What fra-robust has in another way than PB-NBV: the map, and where to look next."""
+
 
 def fra_robust(settings: RobustSettings | None = None) -> Planner:
     """Views of what is left to be measured, from where it is likely to succeed. settings: None = the defaults."""
+    planner = partly_robust(pb(), get_args(RobustChange), settings)
+    return replace(planner, name="fra-robust", approximate=without_ellipsoids)
+
+
+def partly_robust(planner: Planner, changes: Sequence[RobustChange], settings: RobustSettings | None = None) -> Planner:
+    """Another planner with these of the changes, all else its own."""
     settings = settings or RobustSettings()
 
     def integrate(voxel_map: VoxelMap, burst: DepthBurst, parameters: Parameters) -> EvidenceMap:
@@ -41,4 +52,8 @@ def fra_robust(settings: RobustSettings | None = None) -> Planner:
     ) -> Float[np.ndarray, "n"]:
         return gain_per_second(model, left(model, parameters), intrinsics, poses, settings)
 
-    return Planner("fra-robust", integrate, without_ellipsoids, score, candidates=candidates)
+    if "map" in changes:
+        planner = replace(planner, integrate=integrate)
+    if "views" in changes:
+        planner = replace(planner, candidates=candidates, score=score)
+    return planner

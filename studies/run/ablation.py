@@ -9,8 +9,9 @@ from pydantic import Field
 
 from franbv.known_planners import PLANNERS
 from franbv.parameters import Parameters
-from franbv.planners import Planner, fra, ray_entropy
+from franbv.planners import Planner, fra, pb, ray_entropy
 from franbv.reflective_regions import FILTERS, View, first_hit_of_any, located
+from franbv.robust.planner import RobustChange, partly_robust
 from franbv.volumetric_information import DEFAULT_GAIN, Gain
 from studies.base.config import Config
 
@@ -18,6 +19,9 @@ FilterName = Literal["persistence", "erosion", "frontier"]
 """The detector's filters in the paper's order, without the silhouette, which the erosion implies."""
 IMAGE_FILTERS = {"persistence": "persistent_invalid", "erosion": "inside_eroded_silhouette"}
 """Those that judge pixels in the image, by the names that the detector knows them by."""
+
+ROBUST_BASES = {"pb": pb, "fra": fra}
+"""Planners that can take over pieces of fra-robust."""
 
 TURN_DEG = 45.0
 """Turn of the diamond: halfway to the next pose of four [deg]."""
@@ -51,6 +55,9 @@ class Ablation(Config):
     """RE: what a voxel is worth to a ray."""
     within_object: bool = False
     """RE: rays count within the object's box only."""
+    robust: tuple[RobustChange, ...] | None = None
+    """What of fra-robust pb or fra take over. map: evidence that false depth cannot undo. views: what is left to be
+    measured, times the chance to succeed, which without the map is not known."""
 
     def changed(self, parameters: Parameters) -> Parameters:
         """The parameters with those changes that are a matter of numbers."""
@@ -69,7 +76,9 @@ class Ablation(Config):
 
     def of_functions(self) -> "Ablation":
         """Those changes that are not in the parameters: what remains to be said once the parameters are changed."""
-        return Ablation(without_filter=self.without_filter, gain=self.gain, within_object=self.within_object)
+        return Ablation(
+            without_filter=self.without_filter, gain=self.gain, within_object=self.within_object, robust=self.robust
+        )
 
     def misfit(self, planner: str) -> str | None:
         """Why this planner cannot be changed so, or None."""
@@ -77,11 +86,18 @@ class Ablation(Config):
             return f"planner {planner} has no filters; leave out without_filter or choose fra"
         if planner != "re" and (self.gain or self.within_object):
             return f"planner {planner} casts no rays; leave out gain and within_object or choose re"
+        if self.robust is not None and self.without_filter:
+            return "without_filter and robust are changes of two kinds; leave one of them out"
+        if self.robust is not None and planner not in ROBUST_BASES:
+            takers = " or ".join(ROBUST_BASES)
+            return f"planner {planner} takes over nothing of fra-robust; leave out robust or choose {takers}"
         return None
 
 
 def build_planner(name: str, ablation: Ablation) -> Planner:
     """The planner of this name with those functions exchanged that the ablation exchanges."""
+    if ablation.robust is not None:
+        return partly_robust(ROBUST_BASES[name](), ablation.robust)
     if name == "fra":
         left_out = IMAGE_FILTERS.get(ablation.without_filter or "")
         filters = {name: keeps for name, keeps in FILTERS.items() if name != left_out}
@@ -125,6 +141,10 @@ ABLATIONS: dict[str, NamedAblation] = {
     "full_covariance": NamedAblation("components of any shape", "fra", Ablation(full_covariance=True)),
     "unweighted": NamedAblation("no weights by nearness", "fra", Ablation(unweighted=True)),
     "ranked_by_depth": NamedAblation("ellipsoids ranked by Z-depth", "fra", Ablation(ranked_by_depth=True)),
+    "pb_robust_map": NamedAblation("PB, map of fra-robust", "pb", Ablation(robust=("map",))),
+    "fra_robust_map": NamedAblation("FRA, map of fra-robust", "fra", Ablation(robust=("map",))),
+    "pb_robust_views": NamedAblation("PB, views of fra-robust", "pb", Ablation(robust=("views",))),
+    "fra_robust_both": NamedAblation("FRA, map and views of fra-robust", "fra", Ablation(robust=("map", "views"))),
     "re_occlusion_aware": NamedAblation("RE, unknown voxels half empty", "re", Ablation(gain="occlusion_aware")),
     "re_unobserved": NamedAblation("RE, untouched voxels only", "re", Ablation(gain="unobserved")),
     "re_entropy": NamedAblation("RE, entropy up to the first surface", "re", Ablation(gain="entropy")),

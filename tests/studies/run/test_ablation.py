@@ -64,6 +64,7 @@ def test_equal_runs_have_equal_names():
     ("flags", "complaint"),
     [
         (("--planner", "pb", "--ablation.without-filter", "erosion"), "planner pb has no filters"),
+        (("--planner", "re", "--ablation.robust", "map"), "planner re takes over nothing of fra-robust"),
         (("--planner", "fra", "--ablation.gain", "entropy"), "planner fra casts no rays"),
         (("--planner", "pb", "--ablation.within-object"), "planner pb casts no rays"),
         (("--ablation.recovered-share", "0.9"), "--ablation.recovered-share 0.9"),

@@ -1,0 +1,54 @@
+"""Pieces of fra-robust in other planners: each changes what it names and nothing else."""
+
+import numpy as np
+import pytest
+
+from franbv.frames import look_at
+from franbv.model import model_of
+from franbv.parameters import Parameters
+from franbv.planners import fra, pb
+from franbv.robust.evidence import EvidenceMap
+from franbv.robust.planner import fra_robust, partly_robust
+from franbv.voxel_map import empty_map
+from tests.franbv.analytic_camera import AnalyticCamera
+from tests.franbv.robust.mirror_camera import BOX, ROOM
+
+PARAMETERS = Parameters(n_frames=1)
+
+
+def model_after_one_view(planner):
+    """The planner's model of one view of a plain box from the side of +x."""
+    pose = look_at(np.array([0.3, 0.0, 0.2]), np.array([0.0, 0.0, 0.04]))
+    burst = AnalyticCamera((BOX,), room=ROOM).capture(pose, 1)
+    seed = np.random.SeedSequence(0)
+    return model_of(planner.integrate(empty_map(PARAMETERS), burst, PARAMETERS), planner, PARAMETERS, seed), burst
+
+
+@pytest.mark.parametrize("base", [pb, fra])
+def test_the_map_alone_leaves_the_choice_of_views(base):
+    """The planner then has the evidence map, its own candidates, its own utility and its own recovery."""
+    plain, changed = base(), partly_robust(base(), ("map",))
+    model, _ = model_after_one_view(changed)
+    assert isinstance(model.voxel_map, EvidenceMap)
+    assert len(model.ellipsoids) > 0
+    assert (changed.candidates, changed.score) == (plain.candidates, plain.score)
+    assert (changed.recovery is None) == (plain.recovery is None)
+
+
+def test_the_views_alone_work_on_the_papers_map():
+    """They look at the far side of a box that one view has shown, whose surface hides it: the count of success is that
+    of a run without any."""
+    planner = partly_robust(pb(), ("views",))
+    model, burst = model_after_one_view(planner)
+    assert not isinstance(model.voxel_map, EvidenceMap)
+    poses = [look_at(np.array([x, 0.0, 0.1]), np.array([0.0, 0.0, 0.04])) for x in (0.3, -0.3)]
+    near, far = planner.score(model, burst.intrinsics, poses, PARAMETERS)
+    assert far > 2 * near >= 0
+    assert len(planner.candidates(model, PARAMETERS, 0.0)) > 2 * PARAMETERS.n_candidates
+
+
+def test_all_of_it_is_fra_robust():
+    """It has no ellipsoids, which none of its steps looks at."""
+    planner = fra_robust()
+    model, _ = model_after_one_view(planner)
+    assert (planner.name, len(model.ellipsoids)) == ("fra-robust", 0)
