@@ -17,7 +17,7 @@ from franbv.model import Model
 from franbv.parameters import Parameters
 from franbv.robust.evidence import EvidenceMap, incidence_range, with_scans
 from franbv.robust.hypothesis import Hypothesis, visible
-from franbv.robust.scans import quarter_turn
+from franbv.robust.scans import quarter_turns
 from franbv.robust.settings import RobustSettings
 
 FACES_LEFT = 6
@@ -36,7 +36,8 @@ def robust_candidates(
     """The paper's candidates, and poses face on to what is left to be measured, each in every turn of the camera."""
     upright = parameters.model_copy(update={"roll_deg": 0.0})
     poses = candidate_poses(model.object.box, upright, azimuth_offset) + face_on(left, parameters)
-    return [rolled(pose, parameters.roll_deg + turn) for turn in settings.turns_deg for pose in poses]
+    turned = [rolled(RigidTransform.concatenate(poses), parameters.roll_deg + turn) for turn in settings.turns_deg]
+    return [pose for batch in turned for pose in batch]
 
 
 def face_on(left: Hypothesis, parameters: Parameters) -> list[RigidTransform]:
@@ -69,15 +70,12 @@ def gain_per_second(
     grid = with_scans(model.voxel_map)
     chances = success_chances(grid, settings)
     tries = np.cumsum(left.looks, axis=2)  # what failed face on fails from the side as well
-    gains = np.zeros(len(poses))
-    for number, pose in enumerate(poses):
-        seen, cosine, _, _ = visible(grid, pose, intrinsics, left.places, left.normals, settings)
-        which = np.flatnonzero(seen)
-        turn, ranges = quarter_turn(pose), incidence_range(cosine[which])
-        tried = tries[which, turn, ranges]
-        chance = chances[turn, ranges] * settings.element_trials / (settings.element_trials + tried)
-        gains[number] = left.area * chance.sum() / _seconds(grid, pose, settings)
-    return gains
+    views = RigidTransform.concatenate(list(poses))
+    seen, cosine, _, _ = visible(grid, views, intrinsics, left.places, left.normals, settings)
+    turns, ranges = quarter_turns(views)[:, None], incidence_range(cosine)
+    tried = tries[np.arange(len(left.places)), turns, ranges]
+    chance = chances[turns, ranges] * settings.element_trials / (settings.element_trials + tried)
+    return left.area * (chance * seen).sum(axis=1) / _seconds(grid, views, settings)
 
 
 def success_chances(grid: EvidenceMap, settings: RobustSettings) -> Float[np.ndarray, "2 b"]:
@@ -86,10 +84,10 @@ def success_chances(grid: EvidenceMap, settings: RobustSettings) -> Float[np.nda
     return (1.0 + successes) / (2.0 + successes + failures)
 
 
-def _seconds(grid: EvidenceMap, pose: RigidTransform, settings: RobustSettings) -> float:
+def _seconds(grid: EvidenceMap, poses: RigidTransform, settings: RobustSettings) -> Float[np.ndarray, "n"]:
     if not grid.scans:
-        return settings.sensing_s
+        return np.full(len(poses), settings.sensing_s)
     last = grid.scans[-1].T_world_cam
-    way = float(np.linalg.norm(pose.translation - last.translation))
-    turn = float((last.rotation.inv() * pose.rotation).magnitude())
-    return settings.sensing_s + max(way / settings.speed, turn / settings.turning_speed)
+    way = np.linalg.norm(poses.translation - last.translation, axis=1)
+    turn = (last.rotation.inv() * poses.rotation).magnitude()
+    return settings.sensing_s + np.maximum(way / settings.speed, turn / settings.turning_speed)

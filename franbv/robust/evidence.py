@@ -15,15 +15,17 @@ back, and so is what they passed behind the surface (an expectation step with ha
 3DV 2015, have the soft one). What they passed before it stays passed.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float, Float32
+from jaxtyping import Bool, Float, Float32, Int
 from scipy.ndimage import uniform_filter
 from scipy.special import betaln
 
 from franbv.parameters import Parameters
-from franbv.robust.rays import add_evidence, cells_of, first_surfaces
+from franbv.robust.rays import SurfaceGrid, add_evidence, cells_of, first_surfaces
 from franbv.robust.scans import Scan, scan_of
 from franbv.robust.settings import RobustSettings
 from franbv.sensing import DepthBurst
@@ -36,10 +38,13 @@ N_TURNS = 2
 WINDOW = 5
 """Side of the neighbourhood that a normal is found in [voxels] (choice: the smallest that averages the steps of a
 slanted plane)."""
-TRUST_STEPS = 100
+TRUST_STEPS = 20
 """Steps in which hits and passes are told apart, of one whole hit (choice: finer than any trust is known)."""
 LOG_ODDS_LIMIT = 30.0
 """Of a voxel, either way [-] (choice: beyond what single precision needs to tell apart)."""
+
+Evidence = tuple[Float32[np.ndarray, "x y z"], Float32[np.ndarray, "x y z"]]
+"""Hits and passes, weighted by trust."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,55 +58,84 @@ class EvidenceMap(VoxelMap):
     """Pixels that measured confirmed surface, by turn of the camera and range of incidence."""
     failures: Float[np.ndarray, "2 b"] = field(default_factory=lambda: np.zeros((N_TURNS, len(INCIDENCE_DEG) - 1)))
     """Pixels that looked at it and saw nothing or something behind it."""
+    believed: Evidence | None = None
+    """Hits and passes of all scans as if none of them were contradicted; None = there is no scan."""
+
+    @cached_property
+    def surface(self) -> SurfaceGrid:
+        """The confirmed surface, for rays."""
+        return SurfaceGrid.of(self.normals)
 
 
 def integrate_robustly(
     voxel_map: VoxelMap, burst: DepthBurst, parameters: Parameters, settings: RobustSettings
 ) -> EvidenceMap:
-    """The map with the burst in it. A map without scans is taken for an empty one."""
-    scans = voxel_map.scans if isinstance(voxel_map, EvidenceMap) else ()
-    return weighed(voxel_map, (*scans, scan_of(burst, parameters, settings)), settings)
+    """The map with the burst in it. A map without scans is taken for an empty one.
 
-
-def weighed(grid: VoxelMap, scans: tuple[Scan, ...], settings: RobustSettings) -> EvidenceMap:
-    """The map of these scans, in rounds of finding surface and taking back what contradicts it."""
-    shape = grid.log_odds.shape
-    surfaces = [np.full(scan.depth.size, np.inf) for scan in scans]
-    cosines = [np.zeros(scan.depth.size) for scan in scans]
-    tolerance = settings.contradiction_voxels * grid.voxel_size
-    hits = passes = np.zeros(shape, np.float32)
-    normals, log_odds = np.zeros((*shape, 3), np.float32), np.zeros(shape, np.float32)
-    for _ in range(settings.passes):
-        hits, passes = np.zeros(shape, np.float32), np.zeros(shape, np.float32)
-        for scan, surface in zip(scans, surfaces, strict=True):
-            behind = scan.lengths > surface + tolerance
-            ends = np.where(behind, 0.0, scan.lengths)
-            crossed = np.where(behind, surface - tolerance, scan.lengths)
-            origin, directions = _in_cells(grid, scan)
-            add_evidence(shape, origin, directions, ends, crossed, scan.trust.ravel(), hits, passes)
+    All scans are weighed anew, in rounds of finding surface and taking back what contradicts it: what was believed
+    before does not bias what is believed now.
+    """
+    before = voxel_map if isinstance(voxel_map, EvidenceMap) else with_scans(voxel_map)
+    scans = (*before.scans, scan_of(burst, parameters, settings))
+    ends = [scan.lengths for scan in scans]
+    believed = _added(voxel_map, scans[-1:], ends[-1:], ends[-1:], before.believed)
+    tolerance = settings.contradiction_voxels * voxel_map.voxel_size
+    (hits, passes), surfaces, cosines = believed, [], []
+    log_odds, normals = np.zeros_like(hits), before.normals
+    for number in range(settings.passes):
+        if number > 0:
+            behind = [scan.lengths > surface + tolerance for scan, surface in zip(scans, surfaces, strict=True)]
+            crossed = [np.where(b, s - tolerance, e) for b, s, e in zip(behind, surfaces, ends, strict=True)]
+            kept = [np.where(b, 0.0, e) for b, e in zip(behind, ends, strict=True)]
+            hits, passes = _added(voxel_map, scans, kept, crossed)
         log_odds = occupancy(hits, passes, settings)
-        confirmed = (hits >= settings.confirmed_hits) & (log_odds > 0)
-        normals = surface_normals(confirmed, hits > 0)
-        for number, scan in enumerate(scans):
-            origin, directions = _in_cells(grid, scan)
-            origins, reach = np.tile(origin, (len(directions), 1)), np.full(len(directions), np.inf)
-            surfaces[number], cosines[number] = first_surfaces(
-                shape, origins, directions, normals, settings.least_cosine, reach
-            )
+        normals = surface_normals((hits >= settings.confirmed_hits) & (log_odds > 0), hits > 0)
+        surfaces, cosines = _surfaces(voxel_map, scans, SurfaceGrid.of(normals), settings)
     successes, failures = _trials(scans, surfaces, cosines, tolerance)
-    touched = (hits > 0) | (passes > 0)
-    level = touched & (log_odds == 0)
+    level = ((hits > 0) | (passes > 0)) & (log_odds == 0)
     return EvidenceMap(
-        first=grid.first,
-        voxel_size=grid.voxel_size,
+        first=voxel_map.first,
+        voxel_size=voxel_map.voxel_size,
         log_odds=log_odds,
         cancelled=level if level.any() else None,
-        threshold=grid.threshold,
+        threshold=voxel_map.threshold,
         scans=scans,
         normals=normals,
         successes=successes,
         failures=failures,
+        believed=believed,
     )
+
+
+def _added(
+    grid: VoxelMap,
+    scans: Sequence[Scan],
+    ends: Sequence[Float[np.ndarray, "n"]],
+    crossed: Sequence[Float[np.ndarray, "n"]],
+    to: Evidence | None = None,
+) -> Evidence:
+    """Hits and passes of these scans, and of what is there already."""
+    shape = grid.log_odds.shape
+    hits, passes = (array.copy() for array in to) if to else np.zeros((2, *shape), np.float32)
+    for scan, end, cross in zip(scans, ends, crossed, strict=True):
+        origin, directions = _in_cells(grid, scan)
+        add_evidence(shape, origin, directions, end, cross, scan.trust.ravel(), hits, passes)
+    return hits, passes
+
+
+def _surfaces(
+    grid: VoxelMap, scans: Sequence[Scan], surface: SurfaceGrid, settings: RobustSettings
+) -> tuple[list[Float[np.ndarray, "n"]], list[Float[np.ndarray, "n"]]]:
+    """Length at which each ray of each scan first meets surface [m], and the cosine there."""
+    lengths, cosines = [], []
+    for scan in scans:
+        origin, directions = _in_cells(grid, scan)
+        reach = np.full(len(directions), np.inf)
+        origins = np.broadcast_to(origin, directions.shape)
+        length, cosine = first_surfaces(surface, origins, directions, settings.least_cosine, reach)
+        lengths.append(length)
+        cosines.append(cosine)
+    return lengths, cosines
 
 
 def occupancy(
@@ -111,13 +145,21 @@ def occupancy(
     log_odds = np.zeros(hits.shape, np.float32)
     seen = (hits > 0) | (passes > 0)
     steps = np.rint(TRUST_STEPS * np.stack([hits[seen], passes[seen]])).astype(np.int64)
-    pairs, back = np.unique(steps[0] << 32 | steps[1], return_inverse=True)  # few, so that the formula is asked seldom
-    h, k = (pairs >> 32) / TRUST_STEPS, (pairs & 0xFFFFFFFF) / TRUST_STEPS
+    if steps.size == 0:
+        return log_odds
+    columns = steps[1].max() + 1
+    cell = steps[0] * columns + steps[1]
+    asked = np.zeros((steps[0].max() + 1) * columns, bool)
+    asked[cell] = True
+    pairs = np.flatnonzero(asked)  # few, so that the formula is asked seldom
+    h, k = pairs // columns / TRUST_STEPS, pairs % columns / TRUST_STEPS
     m, b, q = settings.mirrors, settings.passing, settings.false_hit
     plain = np.log1p(-m) + betaln(1 + k, b + h) - betaln(1, b)
     mirror = np.log(m) + betaln(1 + k, 1 + h)
     found = np.logaddexp(plain, mirror) - h * np.log(q) - k * np.log1p(-q)
-    log_odds[seen] = np.clip(found, -LOG_ODDS_LIMIT, LOG_ODDS_LIMIT).astype(np.float32)[back]
+    table = np.zeros(asked.size, np.float32)
+    table[pairs] = np.clip(found, -LOG_ODDS_LIMIT, LOG_ODDS_LIMIT)
+    log_odds[seen] = table[cell]
     return log_odds
 
 
@@ -153,7 +195,7 @@ def _in_cells(grid: VoxelMap, scan: Scan) -> tuple[Float[np.ndarray, "3"], Float
 
 
 def _trials(
-    scans: tuple[Scan, ...],
+    scans: Sequence[Scan],
     surfaces: list[Float[np.ndarray, "n"]],
     cosines: list[Float[np.ndarray, "n"]],
     tolerance: float,
@@ -171,7 +213,7 @@ def _trials(
     return successes, failures
 
 
-def incidence_range(cosine: Float[np.ndarray, "n"]) -> np.ndarray:
+def incidence_range(cosine: Float[np.ndarray, "*n"]) -> Int[np.ndarray, "*n"]:
     """Number of the range of INCIDENCE_DEG that each cosine lies in."""
     angle = np.degrees(np.arccos(np.clip(cosine, 0.0, 1.0)))
     return np.clip(np.searchsorted(INCIDENCE_DEG, angle, side="right") - 1, 0, len(INCIDENCE_DEG) - 2)

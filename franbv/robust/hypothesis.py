@@ -10,14 +10,15 @@ surface of the object says so.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from scipy.spatial import ConvexHull, KDTree, QhullError
+from scipy.spatial.transform import RigidTransform
 
+from franbv.frames import Intrinsics
 from franbv.model import Model
 from franbv.parameters import Parameters
-from franbv.robust.evidence import N_TURNS, EvidenceMap, incidence_range, with_scans
+from franbv.robust.evidence import INCIDENCE_DEG, N_TURNS, EvidenceMap, incidence_range, with_scans
 from franbv.robust.rays import cells_of, first_surfaces
-from franbv.robust.scans import Scan
 from franbv.robust.settings import RobustSettings
 
 MOST_ELEMENTS = 1500
@@ -52,14 +53,9 @@ def hypothesis(model: Model, parameters: Parameters, settings: RobustSettings) -
         nearest = KDTree(model.object.occupied).query(places)[0]
         keep &= nearest > SEEN_AT * grid.voxel_size
     places, normals = places[keep], normals[keep]
-    bins = grid.successes.shape[1]
-    looks, refuted = np.zeros((len(places), N_TURNS, bins)), np.zeros(len(places), bool)
-    confirmed = np.any(grid.normals != 0, axis=-1)
-    for scan in grid.scans:
-        seen, cosine, through = _looks(grid, confirmed, scan, places, normals, parameters, settings)
-        which = incidence_range(cosine[seen])
-        looks[np.flatnonzero(seen), scan.turn, which] += 1.0
-        refuted |= through
+    looks, refuted = np.zeros((len(places), N_TURNS, len(INCIDENCE_DEG) - 1)), np.zeros(len(places), bool)
+    if grid.scans and len(places):
+        looks, refuted = _looks(grid, places, normals, parameters, settings)
     return Hypothesis(places[~refuted], normals[~refuted], area, looks[~refuted])
 
 
@@ -92,51 +88,52 @@ def _hull_elements(
 
 def _looks(
     grid: EvidenceMap,
-    confirmed: Bool[np.ndarray, "x y z"],
-    scan: Scan,
     places: Float[np.ndarray, "n 3"],
     normals: Float[np.ndarray, "n 3"],
     parameters: Parameters,
     settings: RobustSettings,
-) -> tuple[Bool[np.ndarray, "n"], Float[np.ndarray, "n"], Bool[np.ndarray, "n"]]:
-    """Elements that a scan looked at, the cosines, and those that it looked through onto confirmed surface."""
-    seen, cosine, distance, pixel = visible(grid, scan.T_world_cam, scan.intrinsics, places, normals, settings)
-    lengths = scan.lengths[pixel]
-    ends = scan.T_world_cam.translation + lengths[:, None] * scan.rays[pixel]
-    beyond = lengths > distance + settings.contradiction_voxels * grid.voxel_size
-    above = ends[:, 2] > parameters.table_height + parameters.table_clearance
-    through = seen & beyond & above & grid.lookup(confirmed, ends)
-    return seen, cosine, through
+) -> tuple[Float[np.ndarray, "n 2 b"], Bool[np.ndarray, "n"]]:
+    """How often scans looked at each element, and whether one looked through it onto confirmed surface."""
+    views = RigidTransform.concatenate([scan.T_world_cam for scan in grid.scans])
+    seen, cosine, distance, pixel = visible(grid, views, grid.scans[0].intrinsics, places, normals, settings)
+    confirmed = np.any(grid.normals, axis=-1)
+    ranges = incidence_range(cosine)
+    looks, refuted = np.zeros((len(places), N_TURNS, len(INCIDENCE_DEG) - 1)), np.zeros(len(places), bool)
+    for number, scan in enumerate(grid.scans):
+        which = np.flatnonzero(seen[number])
+        looks[which, scan.turn, ranges[number, which]] += 1.0
+        lengths = scan.lengths[pixel[number, which]]
+        ends = scan.T_world_cam.translation + lengths[:, None] * scan.rays[pixel[number, which]]
+        beyond = lengths > distance[number, which] + settings.contradiction_voxels * grid.voxel_size
+        above = ends[:, 2] > parameters.table_height + parameters.table_clearance
+        refuted[which] |= beyond & above & grid.lookup(confirmed, ends)
+    return looks, refuted
 
 
 def visible(
     grid: EvidenceMap,
-    T_world_cam,
-    intrinsics,
+    poses: RigidTransform,
+    intrinsics: Intrinsics,
     places: Float[np.ndarray, "n 3"],
     normals: Float[np.ndarray, "n 3"],
     settings: RobustSettings,
-) -> tuple[Bool[np.ndarray, "n"], Float[np.ndarray, "n"], Float[np.ndarray, "n"], np.ndarray]:
-    """Elements within a view that face it and that no confirmed surface hides; cosine of the incidence, distance [m],
-    and the pixel of each, which is 0 outside the view."""
-    eye = T_world_cam.translation
-    towards = eye - places
-    distance = np.linalg.norm(towards, axis=1)
-    cosine = np.sum(towards * normals, axis=1) / distance
-    camera = T_world_cam.inv().apply(places)
-    z = np.where(camera[:, 2] > 0, camera[:, 2], np.inf)
-    u = np.rint(intrinsics.fx * camera[:, 0] / z + intrinsics.cx)
-    v = np.rint(intrinsics.fy * camera[:, 1] / z + intrinsics.cy)
-    seen = (camera[:, 2] > 0) & (cosine > settings.least_cosine)
+) -> tuple[Bool[np.ndarray, "p n"], Float[np.ndarray, "p n"], Float[np.ndarray, "p n"], Int[np.ndarray, "p n"]]:
+    """Elements within each of several views that face it and that no confirmed surface hides; cosine of the incidence,
+    distance [m], and the pixel of each, which is 0 outside the view."""
+    eyes = poses.translation
+    towards = eyes[:, None] - places
+    distance = np.linalg.norm(towards, axis=-1)
+    cosine = np.sum(towards * normals, axis=-1) / distance
+    camera = -towards @ poses.rotation.as_matrix()
+    z = np.where(camera[..., 2] > 0, camera[..., 2], np.inf)
+    u = np.rint(intrinsics.fx * camera[..., 0] / z + intrinsics.cx)
+    v = np.rint(intrinsics.fy * camera[..., 1] / z + intrinsics.cy)
+    seen = (camera[..., 2] > 0) & (cosine > settings.least_cosine)
     seen &= (u >= 0) & (u < intrinsics.width) & (v >= 0) & (v < intrinsics.height)
     pixel = np.where(seen, v * intrinsics.width + u, 0).astype(np.int64)
-    which = np.flatnonzero(seen)
-    if len(which):
-        rays = -towards[which] / distance[which, None] / grid.voxel_size
-        origin = cells_of(eye[None], grid.first, grid.voxel_size)[0]
-        reach = distance[which] - SEEN_AT * grid.voxel_size
-        hidden = first_surfaces(
-            grid.log_odds.shape, np.tile(origin, (len(which), 1)), rays, grid.normals, settings.least_cosine, reach
-        )[0]
-        seen[which] = ~np.isfinite(hidden)
+    rays = -towards[seen] / distance[seen][:, None] / grid.voxel_size
+    origins = cells_of(eyes, grid.first, grid.voxel_size)[np.nonzero(seen)[0]]
+    reach = distance[seen] - SEEN_AT * grid.voxel_size
+    hidden = first_surfaces(grid.surface, origins, rays, settings.least_cosine, reach)[0]
+    seen[seen] = ~np.isfinite(hidden)
     return seen, cosine, distance, pixel

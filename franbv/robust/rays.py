@@ -5,29 +5,45 @@ is what a ray passes in one metre.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Float32, Int
 from numba import njit
+
+from franbv.voxel_map import extent
 
 GridShape = tuple[int, int, int]
 
 
+@dataclass(frozen=True, eq=False)
+class SurfaceGrid:
+    """The part of a grid that holds surface, so that rays need not be followed elsewhere."""
+
+    first: Int[np.ndarray, "3"]
+    """Cell of the whole grid that this part begins with."""
+    normals: Float32[np.ndarray, "x y z 3"]
+    """Unit normals of the voxels that hold surface, 0 elsewhere."""
+
+    @classmethod
+    def of(cls, normals: Float32[np.ndarray, "x y z 3"]) -> "SurfaceGrid":
+        """Normals of the whole grid."""
+        near = extent(np.any(normals, axis=-1))
+        return cls(np.array([part.start for part in near]), np.ascontiguousarray(normals[near]))
+
+
 def first_surfaces(
-    shape: GridShape,
+    surface: SurfaceGrid,
     origins: Float[np.ndarray, "n 3"],
     directions: Float[np.ndarray, "n 3"],
-    normals: Float[np.ndarray, "x y z 3"],
     least_cosine: float,
     reach: Float[np.ndarray, "n"],
 ) -> tuple[Float[np.ndarray, "n"], Float[np.ndarray, "n"]]:
     """Length at which each ray first meets surface that it does not graze [m], inf where there is none up to `reach`,
-    and the cosine there.
-
-    normals: unit normals of the voxels that hold surface, 0 elsewhere.
-    """
+    and the cosine there. Origins in cells of the whole grid."""
     lengths, cosines = np.full(len(directions), np.inf), np.zeros(len(directions))
-    _first_surfaces(shape, origins, directions, normals.reshape(-1, 3), least_cosine, reach, lengths, cosines)
+    shape, normals = surface.normals.shape[:3], surface.normals.reshape(-1, 3)
+    _first_surfaces(shape, origins - surface.first, directions, normals, least_cosine, reach, lengths, cosines)
     return lengths, cosines
 
 

@@ -42,7 +42,7 @@ class Scan:
     @property
     def turn(self) -> int:
         """Of the camera about its axis, in quarter turns from upright, 0 or 1: half a turn shows the same."""
-        return quarter_turn(self.T_world_cam)
+        return int(quarter_turns(self.T_world_cam))
 
 
 def scan_of(burst: DepthBurst, parameters: Parameters, settings: RobustSettings) -> Scan:
@@ -81,7 +81,7 @@ def supporting_neighbours(depth: Float[np.ndarray, "h w"], step: float) -> Int[n
     return np.where(depth > 0, count - 1, 0)  # it supports itself
 
 
-def quarter_turn(T_world_cam: RigidTransform) -> int:
-    """0 where the image's x axis is nearer to the horizontal than its y axis, else 1."""
-    x_up, y_up = np.abs(T_world_cam.rotation.as_matrix()[2, :2])
-    return int(x_up > y_up)
+def quarter_turns(T_world_cam: RigidTransform) -> Int[np.ndarray, "*n"]:
+    """Of each pose 0 where the image's x axis is nearer to the horizontal than its y axis, else 1."""
+    up = np.abs(T_world_cam.rotation.as_matrix()[..., 2, :2])
+    return np.asarray(up[..., 0] > up[..., 1], int)

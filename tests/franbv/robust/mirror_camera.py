@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
-from franbv.robust.scans import quarter_turn
+from franbv.robust.scans import quarter_turns
 from franbv.sensing import DepthBurst
 from tests.franbv.analytic_camera import AnalyticCamera
 
@@ -33,6 +33,6 @@ class MirrorCamera(AnalyticCamera):
         points = T_world_cam.translation + solid.depths[0].reshape(-1, 1) * rays
         on_side = (np.abs(points[:, 1] - BOX[1][1]) < 0.004) & (np.abs(points[:, 0]) < 0.05) & (points[:, 2] > 0.003)
         cosine = np.abs(rays[:, 1]) / np.linalg.norm(rays, axis=1)
-        wrong = on_side & (cosine < np.cos(np.radians(self.right_deg[quarter_turn(T_world_cam)])))
+        wrong = on_side & (cosine < np.cos(np.radians(self.right_deg[quarter_turns(T_world_cam)])))
         depths = np.where(wrong.reshape(solid.depths.shape[1:]), empty.depths, solid.depths)
         return DepthBurst(depths, solid.intrinsics, T_world_cam)

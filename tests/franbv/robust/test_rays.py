@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from franbv.frames import Intrinsics, look_at, rolled
-from franbv.robust.rays import add_evidence, cells_of, first_surfaces
+from franbv.robust.rays import SurfaceGrid, add_evidence, cells_of, first_surfaces
 from franbv.voxel_map import VoxelMap, scan_voxels
 
 CAMERA = Intrinsics(12, 9, 9.0, 9.0, 5.5, 4.0)
@@ -67,7 +67,7 @@ def test_first_surface_by_small_steps(seed: int):
     origin, directions, _ = rays_of(pose, depth)
     reach = np.full(len(directions), 0.6)
     found, cosine = first_surfaces(
-        GRID.log_odds.shape, np.tile(origin, (len(directions), 1)), directions, normals, 0.4, reach
+        SurfaceGrid.of(normals), np.tile(origin, (len(directions), 1)), directions, 0.4, reach
     )
     steps = np.arange(0.0, 0.6, SIZE / 100)
     met = 0

@@ -6,7 +6,7 @@ from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import look_at, rolled
 from franbv.parameters import Parameters
-from franbv.robust.scans import mixed_blocks, quarter_turn, scan_of, supporting_neighbours
+from franbv.robust.scans import mixed_blocks, quarter_turns, scan_of, supporting_neighbours
 from franbv.robust.settings import RobustSettings
 from franbv.sensing import DepthBurst
 from tests.franbv.analytic_camera import SENSOR
@@ -54,4 +54,4 @@ def test_trust_of_a_scan():
 @pytest.mark.parametrize(("roll", "turn"), [(0, 0), (90, 1), (180, 0), (-90, 1), (30, 0), (60, 1)])
 def test_quarter_turns(roll: float, turn: int):
     """Upright or on end, whichever is nearer."""
-    assert quarter_turn(rolled(look_at(np.array([0.3, 0.1, 0.2]), np.zeros(3)), roll)) == turn
+    assert quarter_turns(rolled(look_at(np.array([0.3, 0.1, 0.2]), np.zeros(3)), roll)) == turn
