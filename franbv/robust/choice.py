@@ -16,7 +16,7 @@ from franbv.frames import Intrinsics, look_at, rolled
 from franbv.model import Model
 from franbv.parameters import Parameters
 from franbv.robust.evidence import EvidenceMap, incidence_range, with_scans
-from franbv.robust.hypothesis import Hypothesis, visible
+from franbv.robust.hypothesis import Hypothesis, pixel_density, visible
 from franbv.robust.scans import quarter_turns
 from franbv.robust.settings import RobustSettings
 
@@ -33,24 +33,35 @@ HIGHEST_LOOK = 0.12
 def robust_candidates(
     model: Model, left: Hypothesis, parameters: Parameters, azimuth_offset: float, settings: RobustSettings
 ) -> list[RigidTransform]:
-    """The paper's candidates, and poses face on to what is left to be measured, each in every turn of the camera."""
+    """The paper's candidates, moved up to the object, and poses face on to what is left to be measured, each in every
+    turn of the camera."""
     upright = parameters.model_copy(update={"roll_deg": 0.0})
-    poses = candidate_poses(model.object.box, upright, azimuth_offset) + face_on(left, parameters)
+    rings = candidate_poses(model.object.box, upright, azimuth_offset)
+    rings += [nearer(pose, model, parameters) for pose in rings]
+    poses = rings + face_on(left, parameters)
     turned = [rolled(RigidTransform.concatenate(poses), parameters.roll_deg + turn) for turn in settings.turns_deg]
     return [pose for batch in turned for pose in batch]
 
 
+def nearer(pose: RigidTransform, model: Model, parameters: Parameters) -> RigidTransform:
+    """The pose moved along its axis until the foremost corner of the object's box is at the stand-off from it: the
+    paper's stand-off is from the ball around the box, which leaves a pixel on a flat part twice as much surface."""
+    axis = pose.rotation.as_matrix()[:, 2]
+    foremost = ((model.object.box.corners() - pose.translation) @ axis).min()
+    return RigidTransform.from_components(pose.translation + (foremost - parameters.stand_off) * axis, pose.rotation)
+
+
 def face_on(left: Hypothesis, parameters: Parameters) -> list[RigidTransform]:
     """Upright poses that look along the commonest normals of what is left, at its middle."""
-    weight = 1.0 / (1.0 + left.looks.sum(axis=(1, 2)))
+    weight = left.areas * left.left / (1.0 + left.looks.sum(axis=(1, 2)))
+    alike = left.normals @ left.normals.T > SAME_FACE
     poses, free = [], np.ones(len(weight), bool)
     for _ in range(FACES_LEFT):
         if not free.any():
             break
-        near = left.normals @ left.normals[free].T > SAME_FACE
-        best = np.argmax((weight[:, None] * near).sum(axis=0))
-        face = near[:, best] & free
-        free &= ~near[:, best]
+        near = alike[np.argmax(np.where(free, (weight * free) @ alike, -1.0))]
+        face = near & free
+        free &= ~near
         target = np.average(left.places[face], axis=0, weights=weight[face])
         normal = np.average(left.normals[face], axis=0, weights=weight[face])
         normal[2] = max(normal[2], HIGHEST_LOOK)
@@ -68,19 +79,25 @@ def gain_per_second(
 ) -> Float[np.ndarray, "n"]:
     """Area that each view is expected to confirm, per second of motion and sensing [m^2/s]."""
     grid = with_scans(model.voxel_map)
-    chances = success_chances(grid, settings)
+    chances = success_chances(grid, left, settings)
     tries = np.cumsum(left.looks, axis=2)  # what failed face on fails from the side as well
     views = RigidTransform.concatenate(list(poses))
-    seen, cosine, _, _ = visible(grid, views, intrinsics, left.places, left.normals, settings)
+    seen, cosine, distance, _ = visible(grid, views, intrinsics, left.places, left.normals, settings)
     turns, ranges = quarter_turns(views)[:, None], incidence_range(cosine)
     tried = tries[np.arange(len(left.places)), turns, ranges]
     chance = chances[turns, ranges] * settings.element_trials / (settings.element_trials + tried)
-    return left.area * (chance * seen).sum(axis=1) / _seconds(grid, views, settings)
+    covered = 1.0 - np.exp(-np.pi * settings.resolution**2 * pixel_density(intrinsics, cosine, distance))
+    return (left.areas * left.left * chance * covered * seen).sum(axis=1) / _seconds(grid, views, settings)
 
 
-def success_chances(grid: EvidenceMap, settings: RobustSettings) -> Float[np.ndarray, "2 b"]:
-    """Mean of the beta distribution of each turn and range, which begins as Beta(1, 1)."""
-    successes, failures = (counts / settings.pixels_per_trial for counts in (grid.successes, grid.failures))
+def success_chances(grid: EvidenceMap, left: Hypothesis, settings: RobustSettings) -> Float[np.ndarray, "2 b"]:
+    """Mean of the beta distribution of each turn and range, which begins as Beta(1, 1).
+
+    Where surface was never measured, nobody knows that views of it failed: looks in vain at what the hull supposes
+    count as failures by the chance that there is surface.
+    """
+    failed = grid.failures + settings.supposed * left.in_vain
+    successes, failures = grid.successes / settings.pixels_per_trial, failed / settings.pixels_per_trial
     return (1.0 + successes) / (2.0 + successes + failures)
 
 

@@ -15,6 +15,7 @@ back, and so is what they passed behind the surface (an expectation step with ha
 3DV 2015, have the soft one). What they passed before it stays passed.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -53,9 +54,13 @@ class EvidenceMap(VoxelMap):
 
     scans: tuple[Scan, ...] = ()
     normals: Float32[np.ndarray, "x y z 3"] = field(default_factory=lambda: np.zeros((0, 0, 0, 3), np.float32))
-    """Of confirmed surface, 0 elsewhere."""
+    """Of occupied voxels, towards those who saw them; 0 elsewhere."""
+    confirmed: Bool[np.ndarray, "x y z"] = field(default_factory=lambda: np.zeros((0, 0, 0), bool))
+    """Occupied voxels that several views agree on."""
+    points: Float32[np.ndarray, "x y z"] = field(default_factory=lambda: np.zeros((0, 0, 0), np.float32))
+    """Depths that ended in each voxel and that nothing contradicts [-]."""
     successes: Float[np.ndarray, "2 b"] = field(default_factory=lambda: np.zeros((N_TURNS, len(INCIDENCE_DEG) - 1)))
-    """Pixels that measured confirmed surface, by turn of the camera and range of incidence."""
+    """Pixels that measured confirmed surface of the object, by turn of the camera and range of incidence."""
     failures: Float[np.ndarray, "2 b"] = field(default_factory=lambda: np.zeros((N_TURNS, len(INCIDENCE_DEG) - 1)))
     """Pixels that looked at it and saw nothing or something behind it."""
     believed: Evidence | None = None
@@ -64,7 +69,7 @@ class EvidenceMap(VoxelMap):
     @cached_property
     def surface(self) -> SurfaceGrid:
         """The confirmed surface, for rays."""
-        return SurfaceGrid.of(self.normals)
+        return SurfaceGrid.of(self.normals * self.confirmed[..., None])
 
 
 def integrate_robustly(
@@ -80,8 +85,8 @@ def integrate_robustly(
     ends = [scan.lengths for scan in scans]
     believed = _added(voxel_map, scans[-1:], ends[-1:], ends[-1:], before.believed)
     tolerance = settings.contradiction_voxels * voxel_map.voxel_size
-    (hits, passes), surfaces, cosines = believed, [], []
-    log_odds, normals = np.zeros_like(hits), before.normals
+    (hits, passes), surfaces, cosines, kept = believed, [], [], ends
+    log_odds, normals, confirmed = np.zeros_like(hits), before.normals, before.confirmed
     for number in range(settings.passes):
         if number > 0:
             behind = [scan.lengths > surface + tolerance for scan, surface in zip(scans, surfaces, strict=True)]
@@ -89,9 +94,14 @@ def integrate_robustly(
             kept = [np.where(b, 0.0, e) for b, e in zip(behind, ends, strict=True)]
             hits, passes = _added(voxel_map, scans, kept, crossed)
         log_odds = occupancy(hits, passes, settings)
-        normals = surface_normals((hits >= settings.confirmed_hits) & (log_odds > 0), hits > 0)
-        surfaces, cosines = _surfaces(voxel_map, scans, SurfaceGrid.of(normals), settings)
-    successes, failures = _trials(scans, surfaces, cosines, tolerance)
+        normals = surface_normals(log_odds > 0, hits > 0)
+        confirmed = (hits >= settings.confirmed_hits) & (log_odds > 0)
+        surface = SurfaceGrid.of(normals * confirmed[..., None])
+        surfaces, cosines = _surfaces(voxel_map, scans, surface, settings)
+    table = parameters.table_height + parameters.table_clearance
+    successes, failures = _trials(scans, surfaces, cosines, tolerance, table)
+    points, towards = _points(voxel_map, scans, kept)
+    normals *= np.where(np.sum(normals * towards, axis=-1, keepdims=True) < 0, np.float32(-1), np.float32(1))
     level = ((hits > 0) | (passes > 0)) & (log_odds == 0)
     return EvidenceMap(
         first=voxel_map.first,
@@ -101,6 +111,8 @@ def integrate_robustly(
         threshold=voxel_map.threshold,
         scans=scans,
         normals=normals,
+        confirmed=confirmed,
+        points=points,
         successes=successes,
         failures=failures,
         believed=believed,
@@ -121,6 +133,21 @@ def _added(
         origin, directions = _in_cells(grid, scan)
         add_evidence(shape, origin, directions, end, cross, scan.trust.ravel(), hits, passes)
     return hits, passes
+
+
+def _points(
+    grid: VoxelMap, scans: Sequence[Scan], kept: Sequence[Float[np.ndarray, "n"]]
+) -> tuple[Float32[np.ndarray, "x y z"], Float32[np.ndarray, "x y z 3"]]:
+    """How many ends of rays each voxel has, and the sum of the directions towards those who saw them."""
+    shape = grid.log_odds.shape
+    ends = np.concatenate([s.T_world_cam.translation + k[:, None] * s.rays for s, k in zip(scans, kept, strict=True)])
+    rays = np.concatenate([scan.rays for scan in scans])
+    index, inside = grid.indices(ends)
+    inside &= np.concatenate(kept) > 0
+    cell = np.ravel_multi_index(tuple(index[inside].T), shape)
+    sums = [np.bincount(cell, weights, math.prod(shape)) for weights in (None, *-rays[inside].T)]
+    points, *towards = (np.reshape(part, shape).astype(np.float32) for part in sums)
+    return points, np.stack(towards, axis=-1)
 
 
 def _surfaces(
@@ -164,12 +191,12 @@ def occupancy(
 
 
 def surface_normals(
-    confirmed: Bool[np.ndarray, "x y z"], support: Bool[np.ndarray, "x y z"]
+    wanted: Bool[np.ndarray, "x y z"], support: Bool[np.ndarray, "x y z"]
 ) -> Float32[np.ndarray, "x y z 3"]:
-    """Unit normals of the confirmed voxels, either way: the least axis of the support around each; 0 elsewhere."""
-    normals = np.zeros((*confirmed.shape, 3), np.float32)
-    near = extent(confirmed, margin=WINDOW // 2)
-    inside, mask = confirmed[near], support[near].astype(float)
+    """Unit normals of some voxels, either way: the least axis of the support around each; 0 elsewhere."""
+    normals = np.zeros((*wanted.shape, 3), np.float32)
+    near = extent(wanted, margin=WINDOW // 2)
+    inside, mask = wanted[near], support[near].astype(float)
     if not inside.any():
         return normals
     place = np.stack(np.meshgrid(*(np.arange(n, dtype=float) for n in mask.shape), indexing="ij"))
@@ -199,12 +226,15 @@ def _trials(
     surfaces: list[Float[np.ndarray, "n"]],
     cosines: list[Float[np.ndarray, "n"]],
     tolerance: float,
+    table: float,
 ) -> tuple[Float[np.ndarray, "2 b"], Float[np.ndarray, "2 b"]]:
-    """Pixels that measured confirmed surface, and that failed to. What ends before it says nothing: it is hidden."""
+    """Pixels that measured confirmed surface above the table, and that failed to. What ends before it says nothing: it
+    is hidden."""
     shape = (N_TURNS, len(INCIDENCE_DEG) - 1)
     successes, failures = np.zeros(shape), np.zeros(shape)
     for scan, surface, cosine in zip(scans, surfaces, cosines, strict=True):
-        expected = np.isfinite(surface)
+        height = scan.T_world_cam.translation[2] + np.where(np.isfinite(surface), surface, 0.0) * scan.rays[:, 2]
+        expected = np.isfinite(surface) & (height > table)
         which = incidence_range(cosine)
         right = expected & (np.abs(scan.lengths - surface) <= tolerance)
         wrong = expected & ((scan.lengths == 0) | (scan.lengths > surface + tolerance))
@@ -224,4 +254,7 @@ def with_scans(grid: VoxelMap) -> EvidenceMap:
     if isinstance(grid, EvidenceMap):
         return grid
     known = {name: getattr(grid, name) for name in ("first", "voxel_size", "log_odds", "cancelled", "threshold")}
-    return EvidenceMap(**known, normals=surface_normals(grid.occupied, grid.occupied))
+    points = grid.occupied.astype(np.float32)
+    return EvidenceMap(
+        **known, normals=surface_normals(grid.occupied, grid.occupied), confirmed=grid.occupied, points=points
+    )

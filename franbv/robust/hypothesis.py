@@ -1,4 +1,8 @@
-"""Where surface may be that nobody has measured: the hull of what is confirmed, down to what it stands on.
+"""What is left to be measured: surface that has too few points, and surface that nobody has found yet.
+
+A voxel of the object with few points in it is covered in part: if n points fell on its area a by chance, the share
+exp(-n pi r^2 / a) of it would be farther than r from all of them (Chiu, Stoyan, Kendall and Mecke, Stochastic Geometry
+and its Applications, 2013, section 3.1: the void probability of a Poisson process).
 
 A mirror that was looked at from the wrong side leaves no hole: it shows what it reflects, and the map calls its place
 free. What is confirmed stands on something, though, and is closed. The hull of the object's voxels and of their shadow
@@ -25,6 +29,8 @@ MOST_ELEMENTS = 1500
 """Elements of the surface (choice: a centimetre apart on a part of 20 cm)."""
 UNDERSIDE = -0.5
 """Elements whose normal's height is below this look at what the part stands on and are left out [-] (choice)."""
+LEAST_LEFT = 0.02
+"""Of a measured element that must be left for it to count [-] (choice: what three points in a voxel leave)."""
 SEEN_AT = 1.5
 """An element is measured if an occupied voxel of the object lies nearer than this [s_v] (choice: a voxel and a half,
 the hull runs through the voxels' centres)."""
@@ -32,16 +38,32 @@ the hull runs through the voxels' centres)."""
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """Elements of surface that are still to be measured."""
+    """Elements of surface that are still to be measured, or to be measured more densely."""
 
     places: Float[np.ndarray, "n 3"]
     """World [m]."""
     normals: Float[np.ndarray, "n 3"]
     """Outward."""
-    area: float
-    """Of each [m^2]."""
+    areas: Float[np.ndarray, "n"]
+    """[m^2]"""
+    left: Float[np.ndarray, "n"]
+    """Share of each that no point covers yet; 1 where nothing was measured [0, 1]."""
     looks: Float[np.ndarray, "n 2 b"]
     """Views that have looked at each in vain, by turn of the camera and range of incidence."""
+    in_vain: Float[np.ndarray, "2 b"]
+    """Pixels of all these looks."""
+    surface_area: float
+    """Of all that is measured or supposed, measured densely or not [m^2]."""
+
+    @property
+    def unfound(self) -> Bool[np.ndarray, "n"]:
+        """Elements of the hull, where nothing was measured."""
+        return self.left == 1.0
+
+    @property
+    def missing_share(self) -> float:
+        """Of the surface, that no point covers [0, 1]: what is left if the hull is right."""
+        return float(self.areas @ self.left) / self.surface_area if self.surface_area > 0 else 1.0
 
 
 def hypothesis(model: Model, parameters: Parameters, settings: RobustSettings) -> Hypothesis:
@@ -54,9 +76,33 @@ def hypothesis(model: Model, parameters: Parameters, settings: RobustSettings) -
         keep &= nearest > SEEN_AT * grid.voxel_size
     places, normals = places[keep], normals[keep]
     looks, refuted = np.zeros((len(places), N_TURNS, len(INCIDENCE_DEG) - 1)), np.zeros(len(places), bool)
+    pixels = looks
     if grid.scans and len(places):
-        looks, refuted = _looks(grid, places, normals, parameters, settings)
-    return Hypothesis(places[~refuted], normals[~refuted], area, looks[~refuted])
+        looks, pixels, refuted = _looks(grid, places, normals, parameters, settings)
+    places, normals, looks = places[~refuted], normals[~refuted], looks[~refuted]
+    known, towards, left, measured = _measured_elements(model, grid, settings)
+    return Hypothesis(
+        np.concatenate([places, known]),
+        np.concatenate([normals, towards]),
+        np.concatenate([np.full(len(places), area), np.full(len(known), grid.voxel_size**2)]),
+        np.concatenate([np.ones(len(places)), left]),
+        np.concatenate([looks, np.zeros((len(known), *looks.shape[1:]))]),
+        area * pixels[~refuted].sum(axis=0),
+        len(places) * area + measured,
+    )
+
+
+def _measured_elements(
+    model: Model, grid: EvidenceMap, settings: RobustSettings
+) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"], Float[np.ndarray, "n"], float]:
+    """Places and normals of the object's voxels that more points would cover better, the share that is left of each,
+    and the area of all the object's voxels [m^2]; none of a map without scans, which does not know its points."""
+    places = model.object.occupied if grid.scans else np.zeros((0, 3))
+    at = tuple(grid.indices(places)[0].T)
+    area = grid.voxel_size**2
+    left = np.exp(-grid.points[at].astype(float) * np.pi * settings.resolution**2 / area)
+    sparse = (left > LEAST_LEFT) & (grid.normals[at][:, 2] > UNDERSIDE)
+    return places[sparse], grid.normals[at][sparse].astype(float), left[sparse], len(places) * area
 
 
 def _hull_elements(
@@ -92,22 +138,31 @@ def _looks(
     normals: Float[np.ndarray, "n 3"],
     parameters: Parameters,
     settings: RobustSettings,
-) -> tuple[Float[np.ndarray, "n 2 b"], Bool[np.ndarray, "n"]]:
-    """How often scans looked at each element, and whether one looked through it onto confirmed surface."""
-    views = RigidTransform.concatenate([scan.T_world_cam for scan in grid.scans])
-    seen, cosine, distance, pixel = visible(grid, views, grid.scans[0].intrinsics, places, normals, settings)
-    confirmed = np.any(grid.normals, axis=-1)
-    ranges = incidence_range(cosine)
-    looks, refuted = np.zeros((len(places), N_TURNS, len(INCIDENCE_DEG) - 1)), np.zeros(len(places), bool)
+) -> tuple[Float[np.ndarray, "n 2 b"], Float[np.ndarray, "n 2 b"], Bool[np.ndarray, "n"]]:
+    """How often scans looked at each element, with how many pixels on a square metre, and whether one looked through it
+    onto confirmed surface."""
+    views, intrinsics = RigidTransform.concatenate([scan.T_world_cam for scan in grid.scans]), grid.scans[0].intrinsics
+    seen, cosine, distance, pixel = visible(grid, views, intrinsics, places, normals, settings)
+    ranges, density = incidence_range(cosine), pixel_density(intrinsics, cosine, distance)
+    looks, pixels = np.zeros((2, len(places), N_TURNS, len(INCIDENCE_DEG) - 1))
+    refuted = np.zeros(len(places), bool)
     for number, scan in enumerate(grid.scans):
         which = np.flatnonzero(seen[number])
         looks[which, scan.turn, ranges[number, which]] += 1.0
+        pixels[which, scan.turn, ranges[number, which]] += density[number, which]
         lengths = scan.lengths[pixel[number, which]]
         ends = scan.T_world_cam.translation + lengths[:, None] * scan.rays[pixel[number, which]]
         beyond = lengths > distance[number, which] + settings.contradiction_voxels * grid.voxel_size
         above = ends[:, 2] > parameters.table_height + parameters.table_clearance
-        refuted[which] |= beyond & above & grid.lookup(confirmed, ends)
-    return looks, refuted
+        refuted[which] |= beyond & above & grid.lookup(grid.confirmed, ends)
+    return looks, pixels, refuted
+
+
+def pixel_density(
+    intrinsics: Intrinsics, cosine: Float[np.ndarray, "*n"], distance: Float[np.ndarray, "*n"]
+) -> Float[np.ndarray, "*n"]:
+    """Pixels on a square metre of surface, about the middle of the image."""
+    return intrinsics.fx * intrinsics.fy * np.maximum(cosine, 0.0) / distance**2
 
 
 def visible(

@@ -48,17 +48,23 @@ class RobustSettings(BaseModel):
     than one voxel in a hundred."""
 
     # -- views -------------------------------------------------------------------------------------------------------
+    resolution: Positive = 0.005
+    """Surface counts as measured if a point lies nearer than this [m]. The paper's threshold of coverage (section VI)
+    and two thirds of its voxel."""
     pixels_per_trial: Positive = 20.0
     """Pixels of one view that count as one trial of an incidence and a turn of the camera [-]. Choice: the pixels of a
     patch go together."""
+    supposed: Share = 0.5
+    """Chance that there is surface where the hull supposes it [-]. Choice: as likely as air."""
     element_trials: Positive = 1.0
     """Failed looks at a place after which success there is held half as likely [-]. Choice: as if one success had been
     seen beforehand."""
     turns_deg: tuple[float, ...] = (0.0, 90.0)
     """Turns of the camera about its axis, beside the mount's, that are offered [deg]. Choice: a baseline along and
     across whatever mirrors; 180 would see the same."""
-    sensing_s: Positive = 1.0
-    """Time of a burst [s]. Choice: fifteen frames at 30 per second and the wait for auto-exposure."""
+    sensing_s: Positive = 3.0
+    """Time of a view besides the motion [s]. Choice: a motion planner's second or two, settling, auto-exposure, and
+    half a second of frames."""
     speed: Positive = 0.5
     """Of the camera between two views [m/s]. Choice: a planned motion at half of a collaborative arm's speed."""
     turning_speed: Positive = 1.5

@@ -14,7 +14,7 @@ from franbv.planners import pb
 from franbv.reconstruction import reconstruct
 from franbv.robust.choice import face_on, gain_per_second, success_chances
 from franbv.robust.evidence import integrate_robustly, with_scans
-from franbv.robust.hypothesis import hypothesis
+from franbv.robust.hypothesis import Hypothesis, hypothesis
 from franbv.robust.planner import fra_robust
 from franbv.robust.settings import RobustSettings
 from franbv.voxel_map import VoxelMap, empty_map
@@ -42,8 +42,10 @@ def test_nothing_is_left_of_a_box_that_was_seen():
     seen = hypothesis(model_after(box, AROUND), PARAMETERS, SETTINGS)
     once = hypothesis(model_after(box, AROUND[:1]), PARAMETERS, SETTINGS)
     surface = 2 * 0.08 * (0.1 + 0.08) + 0.1 * 0.08
-    assert len(seen.places) * seen.area < 0.1 * surface
-    assert (once.normals[:, 0] < -0.7).sum() * once.area > 0.5 * 0.08 * 0.08
+    assert seen.areas @ seen.unfound < 0.1 * surface
+    assert seen.surface_area == pytest.approx(surface, rel=0.6)
+    assert seen.missing_share < 0.5 * once.missing_share
+    assert once.areas @ (once.unfound & (once.normals[:, 0] < -0.7)) > 0.5 * 0.08 * 0.08
     assert np.all(once.normals[:, 2] > -0.6)
 
 
@@ -61,15 +63,15 @@ def test_a_notch_is_refuted_by_what_is_seen_through_it():
     model = model_after(AnalyticCamera(legs, room=ROOM), eyes)
     left = hypothesis(model, PARAMETERS, SETTINGS)
     spanning = (left.normals[:, 0] > 0.3) & (left.normals[:, 2] > 0.3)
-    assert spanning.sum() * left.area < 0.5 * 0.08 * np.hypot(0.1, 0.08)
+    assert left.areas @ (left.unfound & spanning) < 0.5 * 0.08 * np.hypot(0.1, 0.08)
 
 
 def test_a_mirror_is_left_and_looked_at_face_on():
     """The side that views looked through is what is left, and a pose looks along its normal."""
     eyes = [*AROUND[:2], *AROUND[3:], (0.25, 0.25, 0.2), (-0.25, 0.25, 0.2)]
     left = hypothesis(model_after(MirrorCamera(), eyes), PARAMETERS, SETTINGS)
-    towards_mirror = left.normals[:, 1] > 0.9
-    assert towards_mirror.sum() * left.area > 0.5 * 0.1 * 0.08
+    towards_mirror = left.unfound & (left.normals[:, 1] > 0.9)
+    assert left.areas @ (left.unfound & towards_mirror) > 0.5 * 0.1 * 0.08
     assert left.looks[towards_mirror].sum() > 0
     axes = np.array([pose.rotation.as_matrix()[:, 2] for pose in face_on(left, PARAMETERS)])
     assert axes[:, 1].min() < -np.cos(np.radians(15))
@@ -78,12 +80,17 @@ def test_a_mirror_is_left_and_looked_at_face_on():
 def test_chances_by_hand():
     """Beta(1, 1), 40 pixels of success and 20 of failure are two trials and one."""
     grid = with_scans(empty_map(PARAMETERS))
-    assert np.all(success_chances(grid, SETTINGS) == 0.5)
+    nothing = Hypothesis(*np.zeros((2, 0, 3)), *np.zeros((2, 0)), np.zeros((0, 2, 5)), np.zeros((2, 5)), 0.0)
+    assert np.all(success_chances(grid, nothing, SETTINGS) == 0.5)
     successes, failures = np.zeros((2, 5)), np.zeros((2, 5))
     successes[1, 2], failures[1, 2] = 40.0, 20.0
-    found = success_chances(replace(grid, successes=successes, failures=failures), SETTINGS)
+    counted = replace(grid, successes=successes, failures=failures)
+    found = success_chances(counted, nothing, SETTINGS)
     assert found[1, 2] == pytest.approx(3 / 5)
     assert found[0, 2] == 0.5
+    in_vain = np.zeros((2, 5))
+    in_vain[1, 2] = 80.0  # pixels, half of which met surface: two more failures
+    assert success_chances(counted, replace(nothing, in_vain=in_vain), SETTINGS)[1, 2] == pytest.approx(3 / 7)
 
 
 def test_a_turn_that_failed_is_worth_less():
