@@ -6,6 +6,7 @@ import pytest
 from franbv.frames import Intrinsics, back_project, block_centre_intrinsics, decimated_intrinsics
 from materials.input_error import InputError
 from render.depth.decimation import FACTORS, crop_centre, decimate, padded
+from tests.render.depth.software_camera import software_camera
 
 SIZES = [(360, 640), (361, 643), (239, 423), (45, 71)]
 """Rows and columns: the paper's stream, and sizes that neither the factors nor the padding divide."""
@@ -13,29 +14,9 @@ SIZES = [(360, 640), (361, 643), (239, 423), (45, 71)]
 
 def librealsense_decimated(z16: np.ndarray, intrinsics: Intrinsics, factor: int):
     """The image and intrinsics that librealsense's filter makes of a frame of its software device."""
-    rs = pytest.importorskip("pyrealsense2", exc_type=ImportError)  # it needs libusb-1.0 of the system
-    height, width = z16.shape
-    calibration = rs.intrinsics()
-    calibration.width, calibration.height = width, height
-    calibration.fx, calibration.fy = intrinsics.fx, intrinsics.fy
-    calibration.ppx, calibration.ppy = intrinsics.cx, intrinsics.cy
-    stream = rs.video_stream()
-    stream.type, stream.fmt, stream.bpp, stream.fps = rs.stream.depth, rs.format.z16, 2, 30
-    stream.width, stream.height, stream.intrinsics = width, height, calibration
-    sensor = rs.software_device().add_sensor("Stereo Module")
-    profile = sensor.add_video_stream(stream).as_video_stream_profile()
-    frame = rs.software_video_frame()
-    frame.pixels, frame.stride, frame.bpp, frame.profile = np.ascontiguousarray(z16), 2 * width, 2, profile
-    queue = rs.frame_queue(1)
-    sensor.open(profile)
-    sensor.start(queue)
-    sensor.on_video_frame(frame)
-    filtered = rs.decimation_filter(factor).process(queue.wait_for_frame(5000))
-    image = np.array(filtered.get_data())
-    result = filtered.get_profile().as_video_stream_profile().get_intrinsics()
-    sensor.stop()
-    sensor.close()
-    return image, result
+    with software_camera(intrinsics) as camera:
+        filtered = camera.sdk.decimation_filter(factor).process(camera.depth(z16))
+        return np.array(filtered.get_data()), filtered.get_profile().as_video_stream_profile().get_intrinsics()
 
 
 def holey(height: int, width: int, hole_share: float) -> np.ndarray:
