@@ -79,26 +79,14 @@ def gain_per_second(
 ) -> Float[np.ndarray, "n"]:
     """Area that each view is expected to confirm, per second of motion and sensing [m^2/s]."""
     grid = with_scans(model.voxel_map)
-    chances = success_chances(grid, left, settings)
     tries = np.cumsum(left.looks, axis=2)  # what failed face on fails from the side as well
     views = RigidTransform.concatenate(list(poses))
     seen, cosine, distance, _ = visible(grid, views, intrinsics, left.places, left.normals, settings)
     turns, ranges = quarter_turns(views)[:, None], incidence_range(cosine)
     tried = tries[np.arange(len(left.places)), turns, ranges]
-    chance = chances[turns, ranges] * settings.element_trials / (settings.element_trials + tried)
+    chance = left.chances[turns, ranges] * settings.element_trials / (settings.element_trials + tried)
     covered = 1.0 - np.exp(-np.pi * settings.resolution**2 * pixel_density(intrinsics, cosine, distance))
     return (left.areas * left.left * chance * covered * seen).sum(axis=1) / _seconds(grid, views, settings)
-
-
-def success_chances(grid: EvidenceMap, left: Hypothesis, settings: RobustSettings) -> Float[np.ndarray, "2 b"]:
-    """Mean of the beta distribution of each turn and range, which begins as Beta(1, 1).
-
-    Where surface was never measured, nobody knows that views of it failed: looks in vain at what the hull supposes
-    count as failures by the chance that there is surface.
-    """
-    failed = grid.failures + settings.supposed * left.in_vain
-    successes, failures = grid.successes / settings.pixels_per_trial, failed / settings.pixels_per_trial
-    return (1.0 + successes) / (2.0 + successes + failures)
 
 
 def _seconds(grid: EvidenceMap, poses: RigidTransform, settings: RobustSettings) -> Float[np.ndarray, "n"]:

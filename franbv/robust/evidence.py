@@ -19,6 +19,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Float32, Int
@@ -44,8 +45,14 @@ TRUST_STEPS = 20
 LOG_ODDS_LIMIT = 30.0
 """Of a voxel, either way [-] (choice: beyond what single precision needs to tell apart)."""
 
-Evidence = tuple[Float32[np.ndarray, "x y z"], Float32[np.ndarray, "x y z"]]
-"""Hits and passes, weighted by trust."""
+
+class Evidence(NamedTuple):
+    """What scans say of each voxel."""
+
+    hits: Float32[np.ndarray, "x y z"]
+    """Views that have an end of a ray in it, weighted by trust."""
+    passes: Float32[np.ndarray, "x y z"]
+    """Views that only pass it, likewise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +71,7 @@ class EvidenceMap(VoxelMap):
     failures: Float[np.ndarray, "2 b"] = field(default_factory=lambda: np.zeros((N_TURNS, len(INCIDENCE_DEG) - 1)))
     """Pixels that looked at it and saw nothing or something behind it."""
     believed: Evidence | None = None
-    """Hits and passes of all scans as if none of them were contradicted; None = there is no scan."""
+    """What all scans say as if none of them were contradicted; None = there is no scan."""
 
     @cached_property
     def surface(self) -> SurfaceGrid:
@@ -83,26 +90,27 @@ def integrate_robustly(
     before = voxel_map if isinstance(voxel_map, EvidenceMap) else with_scans(voxel_map)
     scans = (*before.scans, scan_of(burst, parameters, settings))
     ends = [scan.lengths for scan in scans]
-    believed = _added(voxel_map, scans[-1:], ends[-1:], ends[-1:], before.believed)
+    passed = [_passed(scan, voxel_map.voxel_size, settings) for scan in scans]
+    believed = _added(voxel_map, scans[-1:], ends[-1:], passed[-1:], before.believed)
     tolerance = settings.contradiction_voxels * voxel_map.voxel_size
-    (hits, passes), surfaces, cosines, kept = believed, [], [], ends
-    log_odds, normals, confirmed = np.zeros_like(hits), before.normals, before.confirmed
+    evidence, surfaces, cosines, kept = believed, [], [], ends
+    log_odds, normals, confirmed = before.log_odds, before.normals, before.confirmed
     for number in range(settings.passes):
         if number > 0:
             behind = [scan.lengths > surface + tolerance for scan, surface in zip(scans, surfaces, strict=True)]
-            crossed = [np.where(b, s - tolerance, e) for b, s, e in zip(behind, surfaces, ends, strict=True)]
+            crossed = [np.where(b, s - tolerance, e) for b, s, e in zip(behind, surfaces, passed, strict=True)]
             kept = [np.where(b, 0.0, e) for b, e in zip(behind, ends, strict=True)]
-            hits, passes = _added(voxel_map, scans, kept, crossed)
-        log_odds = occupancy(hits, passes, settings)
-        normals = surface_normals(log_odds > 0, hits > 0)
-        confirmed = (hits >= settings.confirmed_hits) & (log_odds > 0)
+            evidence = _added(voxel_map, scans, kept, crossed)
+        log_odds = occupancy(evidence, settings)
+        normals = surface_normals(log_odds > 0, evidence.hits > 0)
+        confirmed = (evidence.hits >= settings.confirmed_hits) & (log_odds > 0)
         surface = SurfaceGrid.of(normals * confirmed[..., None])
         surfaces, cosines = _surfaces(voxel_map, scans, surface, settings)
     table = parameters.table_height + parameters.table_clearance
     successes, failures = _trials(scans, surfaces, cosines, tolerance, table)
     points, towards = _points(voxel_map, scans, kept)
     normals *= np.where(np.sum(normals * towards, axis=-1, keepdims=True) < 0, np.float32(-1), np.float32(1))
-    level = ((hits > 0) | (passes > 0)) & (log_odds == 0)
+    level = ((evidence.hits > 0) | (evidence.passes > 0)) & (log_odds == 0)
     return EvidenceMap(
         first=voxel_map.first,
         voxel_size=voxel_map.voxel_size,
@@ -119,6 +127,13 @@ def integrate_robustly(
     )
 
 
+def _passed(scan: Scan, voxel_size: float, settings: RobustSettings) -> Float[np.ndarray, "n"]:
+    """Length up to which each ray passes [m]: near its end it may be within the surface's voxels, the longer the more
+    it grazes."""
+    more = np.minimum(1.0 / np.maximum(scan.cosine.ravel(), 1e-3), settings.spared_voxels) - 1.0
+    return np.maximum(scan.lengths - more * voxel_size, 0.0)
+
+
 def _added(
     grid: VoxelMap,
     scans: Sequence[Scan],
@@ -126,13 +141,13 @@ def _added(
     crossed: Sequence[Float[np.ndarray, "n"]],
     to: Evidence | None = None,
 ) -> Evidence:
-    """Hits and passes of these scans, and of what is there already."""
+    """The evidence of these scans, and of what is there already."""
     shape = grid.log_odds.shape
-    hits, passes = (array.copy() for array in to) if to else np.zeros((2, *shape), np.float32)
+    evidence = Evidence(*(array.copy() for array in to) if to else np.zeros((2, *shape), np.float32))
     for scan, end, cross in zip(scans, ends, crossed, strict=True):
         origin, directions = _in_cells(grid, scan)
-        add_evidence(shape, origin, directions, end, cross, scan.trust.ravel(), hits, passes)
-    return hits, passes
+        add_evidence(shape, origin, directions, end, cross, scan.trust.ravel(), *evidence)
+    return evidence
 
 
 def _points(
@@ -165,27 +180,25 @@ def _surfaces(
     return lengths, cosines
 
 
-def occupancy(
-    hits: Float32[np.ndarray, "x y z"], passes: Float32[np.ndarray, "x y z"], settings: RobustSettings
-) -> Float32[np.ndarray, "x y z"]:
+def occupancy(evidence: Evidence, settings: RobustSettings) -> Float32[np.ndarray, "x y z"]:
     """L of each voxel by the formula at the head of the module; 0 where nothing was seen."""
-    log_odds = np.zeros(hits.shape, np.float32)
-    seen = (hits > 0) | (passes > 0)
-    steps = np.rint(TRUST_STEPS * np.stack([hits[seen], passes[seen]])).astype(np.int64)
-    if steps.size == 0:
+    log_odds = np.zeros(evidence.hits.shape, np.float32)
+    seen = (evidence.hits > 0) | (evidence.passes > 0)
+    hits, passes = (np.rint(TRUST_STEPS * array[seen]).astype(np.int64) for array in evidence)
+    if hits.size == 0:
         return log_odds
-    columns = steps[1].max() + 1
-    cell = steps[0] * columns + steps[1]
-    asked = np.zeros((steps[0].max() + 1) * columns, bool)
+    columns = passes.max() + 1
+    cell = hits * columns + passes
+    asked = np.zeros((hits.max() + 1) * columns, bool)
     asked[cell] = True
-    pairs = np.flatnonzero(asked)  # few, so that the formula is asked seldom
-    h, k = pairs // columns / TRUST_STEPS, pairs % columns / TRUST_STEPS
+    rows = np.flatnonzero(asked)  # few, so that the formula is asked seldom
+    h, k = rows // columns / TRUST_STEPS, rows % columns / TRUST_STEPS
     m, b, q = settings.mirrors, settings.passing, settings.false_hit
     plain = np.log1p(-m) + betaln(1 + k, b + h) - betaln(1, b)
     mirror = np.log(m) + betaln(1 + k, 1 + h)
     found = np.logaddexp(plain, mirror) - h * np.log(q) - k * np.log1p(-q)
     table = np.zeros(asked.size, np.float32)
-    table[pairs] = np.clip(found, -LOG_ODDS_LIMIT, LOG_ODDS_LIMIT)
+    table[rows] = np.clip(found, -LOG_ODDS_LIMIT, LOG_ODDS_LIMIT)
     log_odds[seen] = table[cell]
     return log_odds
 

@@ -1,5 +1,8 @@
 """What is left to be measured: surface that has too few points, and surface that nobody has found yet.
 
+Where the object's voxels touch unknown ones that touch free ones, surface goes on: the frontier of Yamauchi (1997), as
+the paper has it.
+
 A voxel of the object with few points in it is covered in part: if n points fell on its area a by chance, the share
 exp(-n pi r^2 / a) of it would be farther than r from all of them (Chiu, Stoyan, Kendall and Mecke, Stochastic Geometry
 and its Applications, 2013, section 3.1: the void probability of a Poisson process).
@@ -29,6 +32,9 @@ MOST_ELEMENTS = 1500
 """Elements of the surface (choice: a centimetre apart on a part of 20 cm)."""
 UNDERSIDE = -0.5
 """Elements whose normal's height is below this look at what the part stands on and are left out [-] (choice)."""
+MOST_AT_RIM = 6
+"""Occupied neighbours of a voxel where measured surface ends (choice: on a straight rim it has 3, in a corner up to 6; in
+a gap of a layer 8, behind one 9)."""
 LEAST_LEFT = 0.02
 """Of a measured element that must be left for it to count [-] (choice: what three points in a voxel leave)."""
 SEEN_AT = 1.5
@@ -46,50 +52,104 @@ class Hypothesis:
     """Outward."""
     areas: Float[np.ndarray, "n"]
     """[m^2]"""
+    unfound: Bool[np.ndarray, "n"]
+    """Elements of the hull, where nothing was measured; the others are measured and have too few points."""
     left: Float[np.ndarray, "n"]
-    """Share of each that no point covers yet; 1 where nothing was measured [0, 1]."""
+    """Share of each that no point covers yet, or the chance that there is surface where none was found [0, 1]."""
     looks: Float[np.ndarray, "n 2 b"]
     """Views that have looked at each in vain, by turn of the camera and range of incidence."""
-    in_vain: Float[np.ndarray, "2 b"]
-    """Pixels of all these looks."""
+    chances: Float[np.ndarray, "2 b"]
+    """That a view measures surface, by turn of the camera and range of incidence [0, 1]."""
     surface_area: float
     """Of all that is measured or supposed, measured densely or not [m^2]."""
 
     @property
-    def unfound(self) -> Bool[np.ndarray, "n"]:
-        """Elements of the hull, where nothing was measured."""
-        return self.left == 1.0
-
-    @property
     def missing_share(self) -> float:
-        """Of the surface, that no point covers [0, 1]: what is left if the hull is right."""
+        """Of the surface, that no point covers [0, 1]."""
         return float(self.areas @ self.left) / self.surface_area if self.surface_area > 0 else 1.0
 
 
 def hypothesis(model: Model, parameters: Parameters, settings: RobustSettings) -> Hypothesis:
     """What is still to be measured of a model."""
     grid = with_scans(model.voxel_map)
-    places, normals, area = _hull_elements(model, parameters)
-    keep = normals[:, 2] > UNDERSIDE
-    if len(model.object.occupied):
-        nearest = KDTree(model.object.occupied).query(places)[0]
-        keep &= nearest > SEEN_AT * grid.voxel_size
-    places, normals = places[keep], normals[keep]
-    looks, refuted = np.zeros((len(places), N_TURNS, len(INCIDENCE_DEG) - 1)), np.zeros(len(places), bool)
-    pixels = looks
-    if grid.scans and len(places):
-        looks, pixels, refuted = _looks(grid, places, normals, parameters, settings)
-    places, normals, looks = places[~refuted], normals[~refuted], looks[~refuted]
+    places, normals, areas = _supposed_elements(model, grid, parameters)
+    looks, pixels, refuted = _looks(grid, places, normals, parameters, settings)
+    places, normals, areas, looks = places[~refuted], normals[~refuted], areas[~refuted], looks[~refuted]
+    chances = success_chances(grid, np.tensordot(areas, pixels[~refuted], 1), settings)
+    there = still_supposed(looks, chances, settings)
     known, towards, left, measured = _measured_elements(model, grid, settings)
     return Hypothesis(
         np.concatenate([places, known]),
         np.concatenate([normals, towards]),
-        np.concatenate([np.full(len(places), area), np.full(len(known), grid.voxel_size**2)]),
-        np.concatenate([np.ones(len(places)), left]),
+        np.concatenate([areas, np.full(len(known), grid.voxel_size**2)]),
+        np.arange(len(places) + len(known)) < len(places),
+        np.concatenate([there, left]),
         np.concatenate([looks, np.zeros((len(known), *looks.shape[1:]))]),
-        area * pixels[~refuted].sum(axis=0),
-        len(places) * area + measured,
+        chances,
+        float(areas @ there) + measured,
     )
+
+
+def _supposed_elements(
+    model: Model, grid: EvidenceMap, parameters: Parameters
+) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"], Float[np.ndarray, "n"]]:
+    """Places, outward normals and areas [m^2] of surface that nobody has measured: the object's frontier, and the hull
+    where neither an occupied voxel nor the frontier is near."""
+    frontier = model.object.frontier
+    places, normals, area = _hull_elements(model, parameters)
+    keep = normals[:, 2] > UNDERSIDE
+    known = np.concatenate([model.object.occupied, frontier])
+    if len(known):
+        keep &= KDTree(known).query(places)[0] > SEEN_AT * grid.voxel_size
+    towards_free = _frontier_normals(grid, frontier)
+    turned = np.any(towards_free, axis=1) & (towards_free[:, 2] > UNDERSIDE)
+    return (
+        np.concatenate([places[keep], frontier[turned]]),
+        np.concatenate([normals[keep], towards_free[turned]]),
+        np.concatenate([np.full(int(keep.sum()), area), np.full(int(turned.sum()), grid.voxel_size**2)]),
+    )
+
+
+def _frontier_normals(grid: EvidenceMap, frontier: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+    """Unit vectors from each voxel towards the free ones among its 26 neighbours; 0 where they lie all around, and in
+    gaps between measured voxels or behind them, which more points on those will close."""
+    steps = np.stack(np.meshgrid(*[(-1.0, 0.0, 1.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    near = frontier[:, None] + grid.voxel_size * steps
+    free, occupied = (
+        grid.lookup(mask, near.reshape(-1, 3)).reshape(len(frontier), len(steps)) for mask in (grid.free, grid.occupied)
+    )
+    sums = (free & (occupied.sum(axis=1, keepdims=True) <= MOST_AT_RIM)) @ steps
+    length = np.linalg.norm(sums, axis=1, keepdims=True)
+    return np.divide(sums, length, out=np.zeros_like(sums), where=length > 0)
+
+
+def success_chances(
+    grid: EvidenceMap, in_vain: Float[np.ndarray, "2 b"], settings: RobustSettings
+) -> Float[np.ndarray, "2 b"]:
+    """Mean of the beta distribution of each turn and range, which begins as Beta(1, 1).
+
+    Where surface was never measured, nobody knows that views of it failed: pixels that looked in vain at what the hull
+    supposes count as failures by the chance that there is surface.
+    """
+    failed = grid.failures + settings.supposed * in_vain
+    successes, failures = grid.successes / settings.pixels_per_trial, failed / settings.pixels_per_trial
+    return (1.0 + successes) / (2.0 + successes + failures)
+
+
+def still_supposed(
+    looks: Float[np.ndarray, "n 2 b"], chances: Float[np.ndarray, "2 b"], settings: RobustSettings
+) -> Float[np.ndarray, "n"]:
+    """Chance that there is surface after looks in vain, by Bayes: views that would have measured it speak against it.
+
+    A mirror, which `RobustSettings.mirrors` of all places are, would not have been measured but face on, where it is as
+    any other surface; so it is in each turn of the camera by itself.
+    """
+    missed = looks * np.log1p(-chances)
+    as_mirror, as_other = np.exp(missed[..., 0]), np.exp(missed.sum(axis=-1))
+    likelihood = settings.supposed * np.prod(
+        settings.mirrors * as_mirror + (1.0 - settings.mirrors) * as_other, axis=-1
+    )
+    return likelihood / (likelihood + 1.0 - settings.supposed)
 
 
 def _measured_elements(
@@ -141,11 +201,13 @@ def _looks(
 ) -> tuple[Float[np.ndarray, "n 2 b"], Float[np.ndarray, "n 2 b"], Bool[np.ndarray, "n"]]:
     """How often scans looked at each element, with how many pixels on a square metre, and whether one looked through it
     onto confirmed surface."""
+    looks, pixels = np.zeros((2, len(places), N_TURNS, len(INCIDENCE_DEG) - 1))
+    refuted = np.zeros(len(places), bool)
+    if not grid.scans:
+        return looks, pixels, refuted
     views, intrinsics = RigidTransform.concatenate([scan.T_world_cam for scan in grid.scans]), grid.scans[0].intrinsics
     seen, cosine, distance, pixel = visible(grid, views, intrinsics, places, normals, settings)
     ranges, density = incidence_range(cosine), pixel_density(intrinsics, cosine, distance)
-    looks, pixels = np.zeros((2, len(places), N_TURNS, len(INCIDENCE_DEG) - 1))
-    refuted = np.zeros(len(places), bool)
     for number, scan in enumerate(grid.scans):
         which = np.flatnonzero(seen[number])
         looks[which, scan.turn, ranges[number, which]] += 1.0

@@ -24,6 +24,8 @@ class Scan:
     """Median of the burst [m], 0 = invalid."""
     trust: Float[np.ndarray, "h w"]
     """In each depth by itself [0, 1]: less at edges and in blocks that mix near and far."""
+    cosine: Float[np.ndarray, "h w"]
+    """Of the incidence, from the neighbours' depths; 1 where they do not tell."""
     intrinsics: Intrinsics
     T_world_cam: RigidTransform
 
@@ -52,7 +54,7 @@ def scan_of(burst: DepthBurst, parameters: Parameters, settings: RobustSettings)
         supporting_neighbours(depth, settings.support_step) >= settings.supporting, 1.0, settings.unsupported_trust
     )
     trust[mixed_blocks(depth, settings.mixed_step)] = settings.mixed_trust
-    return Scan(depth, trust, burst.intrinsics, burst.T_world_cam)
+    return Scan(depth, trust, incidence_cosines(depth, burst.intrinsics), burst.intrinsics, burst.T_world_cam)
 
 
 def mixed_blocks(depth: Float[np.ndarray, "h w"], step: float) -> Bool[np.ndarray, "h w"]:
@@ -79,6 +81,25 @@ def supporting_neighbours(depth: Float[np.ndarray, "h w"], step: float) -> Int[n
         neighbour = padded[r : r + height, c : c + width]
         count += (neighbour > 0) & (np.abs(neighbour - depth) < step)
     return np.where(depth > 0, count - 1, 0)  # it supports itself
+
+
+def incidence_cosines(depth: Float[np.ndarray, "h w"], intrinsics: Intrinsics) -> Float[np.ndarray, "h w"]:
+    """Cosine of the incidence of each pixel's ray, from the slopes between opposite neighbours; 1 without them.
+
+    On a plane inverse depth is linear in the image: 1 / Z = a u + b v + c has the normal (a fx, b fy, a cx + b cy + c).
+    """
+    inverse = np.divide(1.0, depth, out=np.zeros(depth.shape), where=depth > 0)
+    known = np.pad(depth > 0, 1)
+    padded = np.pad(inverse, 1)
+    a, b = (padded[1:-1, 2:] - padded[1:-1, :-2]) / 2, (padded[2:, 1:-1] - padded[:-2, 1:-1]) / 2
+    tells = known[1:-1, 2:] & known[1:-1, :-2] & known[2:, 1:-1] & known[:-2, 1:-1] & (depth > 0)
+    height, width = depth.shape
+    u, v = np.arange(width) - intrinsics.cx, (np.arange(height) - intrinsics.cy)[:, None]
+    normal = np.stack([a * intrinsics.fx, b * intrinsics.fy, inverse - a * u - b * v], axis=-1)
+    rays = intrinsics.pixel_directions()
+    lengths = np.linalg.norm(normal, axis=-1) * np.linalg.norm(rays, axis=-1)
+    cosine = np.divide(np.abs(np.sum(normal * rays, axis=-1)), lengths, out=np.ones(depth.shape), where=lengths > 0)
+    return np.where(tells, cosine, 1.0)
 
 
 def quarter_turns(T_world_cam: RigidTransform) -> Int[np.ndarray, "*n"]:

@@ -35,6 +35,9 @@ class RobustSettings(BaseModel):
     unsupported_trust: Share = 0.3
     """Trust in the depth of other pixels [-]. Choice: then one pass outweighs a hit by one of them, and five views
     together confirm."""
+    spared_voxels: Positive = 4.0
+    """Of a ray before its end, at most, that it does not pass: a voxel over the cosine of its incidence [s_v]. Choice:
+    at 75 deg a ray stays within a voxel of a plane for four."""
     confirmed_hits: Positive = 1.5
     """Hits, weighted by trust, from which a surface counts as confirmed [-]. Choice: two views must agree."""
     contradiction_voxels: Positive = 2.0
@@ -54,8 +57,9 @@ class RobustSettings(BaseModel):
     pixels_per_trial: Positive = 20.0
     """Pixels of one view that count as one trial of an incidence and a turn of the camera [-]. Choice: the pixels of a
     patch go together."""
-    supposed: Share = 0.5
-    """Chance that there is surface where the hull supposes it [-]. Choice: as likely as air."""
+    supposed: Annotated[float, Field(gt=0, lt=1)] = 0.5
+    """Chance that there is surface where the hull supposes it, before anything is known [-]. Choice: as likely as
+    air."""
     element_trials: Positive = 1.0
     """Failed looks at a place after which success there is held half as likely [-]. Choice: as if one success had been
     seen beforehand."""

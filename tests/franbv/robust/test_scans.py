@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import RigidTransform
 
-from franbv.frames import look_at, rolled
+from franbv.frames import Intrinsics, look_at, rolled
 from franbv.parameters import Parameters
-from franbv.robust.scans import mixed_blocks, quarter_turns, scan_of, supporting_neighbours
+from franbv.robust.scans import incidence_cosines, mixed_blocks, quarter_turns, scan_of, supporting_neighbours
 from franbv.robust.settings import RobustSettings
 from franbv.sensing import DepthBurst
 from tests.franbv.analytic_camera import SENSOR
@@ -55,3 +55,21 @@ def test_trust_of_a_scan():
 def test_quarter_turns(roll: float, turn: int):
     """Upright or on end, whichever is nearer."""
     assert quarter_turns(rolled(look_at(np.array([0.3, 0.1, 0.2]), np.zeros(3)), roll)) == turn
+
+
+@pytest.mark.parametrize("tilt_deg", [0.0, 30.0, 60.0, 75.0])
+def test_incidence_on_a_tilted_plane(tilt_deg: float):
+    """Exact on a plane, whatever the pixel; 1 where a neighbour is missing."""
+    camera = Intrinsics(24, 18, 40.0, 42.0, 11.0, 9.0)
+    tilt = np.radians(tilt_deg)
+    normal = np.array([np.sin(tilt) * 0.6, np.sin(tilt) * 0.8, -np.cos(tilt)])
+    rays = camera.pixel_directions()
+    depth = -0.3 * np.cos(tilt) / (rays @ normal)
+    depth[(depth < 0) | (depth > 5)] = 0.0
+    depth[4, 5] = 0.0
+    found = incidence_cosines(depth, camera)
+    expected = np.abs(rays @ normal) / np.linalg.norm(rays, axis=-1)
+    told = found != 1.0
+    assert told.sum() > 80
+    np.testing.assert_allclose(found[told], expected[told], atol=1e-9)
+    assert found[4, 4] == found[4, 6] == found[3, 5] == found[0, 0] == 1.0
