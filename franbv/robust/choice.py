@@ -26,6 +26,9 @@ SAME_FACE = 0.9
 """Cosine between normals of one face (choice: 26 deg)."""
 STAND_OFFS = (0.0, 0.08)
 """Of poses face on, beyond the planner's stand-off from the face [m] (choice: near, and far enough for a part)."""
+MOST_OFFERED = 32
+"""Of poses beside the paper's own, the best that an arm is asked about (choice: as many as the paper has; a planner of
+motions takes a millisecond and more for each)."""
 HIGHEST_LOOK = 0.12
 """Sine of the elevation that poses face on keep at least [-] (choice: the camera's body clears the table)."""
 
@@ -33,14 +36,21 @@ HIGHEST_LOOK = 0.12
 def robust_candidates(
     model: Model, left: Hypothesis, parameters: Parameters, azimuth_offset: float, settings: RobustSettings
 ) -> list[RigidTransform]:
-    """The paper's candidates, moved up to the object, and poses face on to what is left to be measured, each in every
-    turn of the camera."""
+    """The paper's candidates, and the best of others: the same in every turn of the camera, moved up to the object, and
+    poses face on to what is left to be measured."""
     upright = parameters.model_copy(update={"roll_deg": 0.0})
     rings = candidate_poses(model.object.box, upright, azimuth_offset)
-    rings += [nearer(pose, model, parameters) for pose in rings]
-    poses = rings + face_on(left, parameters)
-    turned = [rolled(RigidTransform.concatenate(poses), parameters.roll_deg + turn) for turn in settings.turns_deg]
-    return [pose for batch in turned for pose in batch]
+    near = [nearer(pose, model, parameters) for pose in rings] + face_on(left, parameters)
+    turned = [
+        rolled(RigidTransform.concatenate(rings + near), parameters.roll_deg + turn) for turn in settings.turns_deg
+    ]
+    poses = [pose for batch in turned for pose in batch]
+    own, others = poses[: len(rings)], poses[len(rings) :]
+    grid = with_scans(model.voxel_map)
+    if not grid.scans:
+        return poses
+    gains = gain_per_second(model, left, grid.scans[-1].intrinsics, others, settings)
+    return own + [others[k] for k in np.argsort(-gains, kind="stable")[:MOST_OFFERED]]
 
 
 def nearer(pose: RigidTransform, model: Model, parameters: Parameters) -> RigidTransform:
@@ -54,12 +64,12 @@ def nearer(pose: RigidTransform, model: Model, parameters: Parameters) -> RigidT
 def face_on(left: Hypothesis, parameters: Parameters) -> list[RigidTransform]:
     """Upright poses that look along the commonest normals of what is left, at its middle."""
     weight = left.areas * left.left / (1.0 + left.looks.sum(axis=(1, 2)))
-    alike = left.normals @ left.normals.T > SAME_FACE
+    alike = (left.normals @ left.normals.T > SAME_FACE).astype(np.float32)
     poses, free = [], np.ones(len(weight), bool)
     for _ in range(FACES_LEFT):
         if not free.any():
             break
-        near = alike[np.argmax(np.where(free, (weight * free) @ alike, -1.0))]
+        near = alike[np.argmax(np.where(free, (weight * free).astype(np.float32) @ alike, -1.0))] > 0
         face = near & free
         free &= ~near
         target = np.average(left.places[face], axis=0, weights=weight[face])

@@ -33,8 +33,8 @@ MOST_ELEMENTS = 1500
 UNDERSIDE = -0.5
 """Elements whose normal's height is below this look at what the part stands on and are left out [-] (choice)."""
 MOST_AT_RIM = 6
-"""Occupied neighbours of a voxel where measured surface ends (choice: on a straight rim it has 3, in a corner up to 6; in
-a gap of a layer 8, behind one 9)."""
+"""Occupied neighbours of a voxel where measured surface ends (choice: on a straight rim it has 3, in a corner up to 6;
+in a gap of a layer 8, behind one 9)."""
 LEAST_LEFT = 0.02
 """Of a measured element that must be left for it to count [-] (choice: what three points in a voxel leave)."""
 SEEN_AT = 1.5
