@@ -119,7 +119,7 @@ def price_rows(comparison: Comparison, parts: Sequence[str], planners: Sequence[
 
                 rows.append(
                     {
-                        **_row_head(part, ours, theirs, rows),
+                        **_row_head(part, ours, theirs, rows, "beside"),
                         "planning": _ratio(seconds_ratio(comparison, part, ours, theirs, "planning")),
                         "processor": _ratio(seconds_ratio(comparison, part, ours, theirs, "processor")),
                         "wrongly_free": signed(apart("wrongly_free_share")),
@@ -130,8 +130,10 @@ def price_rows(comparison: Comparison, parts: Sequence[str], planners: Sequence[
     return rows
 
 
-def _row_head(part: str, ours: str, theirs: str, above: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    words = f"{method_name(ours)} less {method_name(theirs)}"
+def _row_head(
+    part: str, ours: str, theirs: str, above: Sequence[dict[str, Any]], joined_by: str = "less"
+) -> dict[str, Any]:
+    words = f"{method_name(ours)} {joined_by} {method_name(theirs)}"
     return {"part": part, "first": not above or above[-1]["part"] != part, "words": words}
 
 

@@ -195,7 +195,7 @@ def test_the_page_renders_for_any_planners(planners: tuple[str, ...], pairs: int
     html = comparison_html(preset, comparison, len(records), [], None)
     section = html[html.index('id="equal"') : html.index('id="figures"')]
     assert section.count("<td>fra-robust</td>") == (8 if "fra-robust" in planners else 0)  # two tables, four parts
-    assert len(re.findall(r"less (FRA|PB)</td>", section)) == 8 * pairs  # two tables, four parts
+    assert len(re.findall(r"(?:less|beside) (?:FRA|PB)</td>", section)) == 8 * pairs  # two tables, four parts
     assert section.count('class="arm ') == 4 * len(planners)
     json.dumps(json_summary(comparison, list("ABCD"), planners, 0, 1.0), allow_nan=False)
     assert "n/a" not in paragraph(comparison, len(records), 0, planners)
