@@ -1,6 +1,7 @@
 """`docs/comparison.md`: its commands can be given, and its table does not contradict itself."""
 
 import re
+from itertools import chain
 
 import pytest
 
@@ -11,16 +12,19 @@ from studies.comparison.preset import ComparisonPreset
 from studies.run.ablation import ABLATIONS
 from tests.conftest import ROOT
 
-TEXT = (ROOT / "docs" / "comparison.md").read_text()
+TEXT, ROBUST_TEXT = ((ROOT / "docs" / f"{name}.md").read_text() for name in ("comparison", "fra_robust"))
 ROUNDING = 0.1 + 1e-9
 """Of the difference of two figures with one decimal."""
 
 
 def test_its_commands_can_be_given():
     """Presets, ablations and links by names that there are."""
-    commands = re.findall(r"^    franbv study comparison (.*?)(?:\s+#.*)?$", TEXT, re.MULTILINE)
-    assert len(commands) == 4
-    for command in commands:
+    of_pages = [
+        re.findall(r"^    franbv study comparison (.*?)(?:\s+#.*)?$", text, re.MULTILINE)
+        for text in (TEXT, ROBUST_TEXT)
+    ]
+    assert [len(commands) for commands in of_pages] == [5, 2]
+    for command in chain(*of_pages):
         given = parse(ComparisonCommand, command.split(), "franbv study comparison", "")
         assert given.preset in ComparisonPreset.of_ours()
         assert set(given.ablations) <= set(ABLATIONS)

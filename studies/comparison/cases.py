@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from studies.comparison.links import LINKED_PLANNERS, LINKS, LinkChange, arm_name
-from studies.comparison.preset import CORNER, ComparisonPreset
+from studies.comparison.preset import ComparisonPreset
 from studies.run.ablation import ABLATIONS, Ablation
 from studies.run.batch import PlannedRun
 from studies.run.reconstruct import ReconstructSettings, resolved_run
@@ -26,9 +26,13 @@ def planned_runs(preset: ComparisonPreset) -> list[PlannedRun]:
 
 
 def _of_planners(preset: ComparisonPreset) -> Iterator[PlannedRun]:
-    for part in [*preset.parts, *([CORNER] if preset.corner else [])]:
+    starts = {
+        **dict.fromkeys(preset.whole_parts, preset.start_numbers),
+        **dict.fromkeys(preset.other_ablated_parts, preset.changed_start_numbers),
+    }
+    for part, numbers in starts.items():
         for planner in preset.planners:
-            for run in preset.start_numbers:
+            for run in numbers:
                 yield PlannedRun(part, planner, run, run_settings(preset, part, planner, run, Ablation()))
 
 
@@ -63,7 +67,7 @@ def run_settings(
     azimuth = 360.0 * run / preset.starts
     settings = ReconstructSettings(
         part=part,
-        material=(preset.corner,) if part == CORNER and preset.corner else (),
+        material=preset.material_of(part),
         bench=preset.bench,
         lamps=preset.lamps,
         sensor=preset.sensor,

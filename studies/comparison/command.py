@@ -21,6 +21,7 @@ from studies.comparison.links import LINKS
 from studies.comparison.planning_speed import SPEED_JOB, SpeedTask, is_measured, measure_speed
 from studies.comparison.preset import ComparisonPreset
 from studies.comparison.records import RUN_COLUMNS, read_records, table_row
+from studies.comparison.report.equal_tables import equal_words
 from studies.comparison.report.page import write_comparison_report
 from studies.comparison.statistics import Comparison
 from studies.comparison.summary import failed_runs, json_summary, paragraph
@@ -49,7 +50,7 @@ class ComparisonCommand:
 
     out: Path
     """Output folder. Finished runs in it are not repeated."""
-    preset: Annotated[str, tyro.conf.arg(metavar="quick|paper|FILE.yaml")] = "paper"
+    preset: Annotated[str, tyro.conf.arg(metavar="quick|paper|corner|robust|robust_ablation|FILE.yaml")] = "paper"
     """What to run: a preset, or a YAML file of your own."""
     ablations: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME...")] = ()
     """Ablations to run beside it; `all` for all of them. Those that the folder's study has already stay in it."""
@@ -78,7 +79,9 @@ def run(args: list[str]) -> int:
         failures = reconstruct_all(command.out, preset, runs, executor)
     summary, comparison = evaluate(command.out, preset, runs, failures, clock.elapsed_s())
     clock.stop()
-    say(f"{paragraph(comparison, len(runs), failed_runs(failures))}\nReport: {command.out / REPORT}")
+    told = [paragraph(comparison, len(runs), failed_runs(failures), preset.planners)]
+    told += equal_words(comparison, preset.whole_parts, preset.planners)
+    say("\n".join([*told, f"Report: {command.out / REPORT}"]))
     if command.json:
         say_json(summary)
     return exit_status(failures)

@@ -1,10 +1,10 @@
 """The goals of a comparison: how near the paper's figures ours were to come, each with its interval and a verdict."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from studies.comparison.paper import ACTIVATIONS, FINAL_COVERAGE, PAPER_PARTS, paper_lead, paper_order
+from studies.comparison.paper import ACTIVATIONS, FINAL_COVERAGE, PAPER_METHODS, PAPER_PARTS, paper_lead, paper_order
 from studies.comparison.statistics import Comparison
 from studies.statistics.intervals import LEVEL, least_p
 from studies.statistics.medians import MedianEstimate, first_less_second, least_step_down
@@ -26,6 +26,8 @@ class Goal:
     """In the JSON."""
     words: str
     """For people."""
+    methods: tuple[str, ...]
+    """Planners that it is about."""
     wanted: str
     """The paper's figure and what is near enough."""
     scale: float
@@ -49,9 +51,10 @@ class JudgedGoal:
     median with less than 95 %."""
 
 
-def judge(comparison: Comparison) -> list[JudgedGoal]:
-    """Every goal, also those that have no runs."""
-    return [JudgedGoal(goal, found := goal.estimates(comparison), _verdict(goal, found)) for goal in GOALS]
+def judge(comparison: Comparison, planners: Collection[str] = PAPER_METHODS) -> list[JudgedGoal]:
+    """Every goal about the planners that the study has, also those that have no runs."""
+    goals = [goal for goal in GOALS if set(goal.methods) <= set(planners)]
+    return [JudgedGoal(goal, found := goal.estimates(comparison), _verdict(goal, found)) for goal in goals]
 
 
 def goals_json(judged: Sequence[JudgedGoal]) -> dict[str, dict[str, Any]]:
@@ -92,6 +95,7 @@ def _order(part: str) -> Goal:
     return Goal(
         f"order_{part.lower()}",
         f"{part}: methods in the paper's order, smallest step down",
+        order,
         f"{' > '.join(arm.upper() for arm in order)}, each step above 0",
         100.0,
         "+z.1f",
@@ -105,6 +109,7 @@ def _lead(part: str) -> Goal:
     return Goal(
         f"fra_less_pb_{part.lower()}",
         f"{part}: FRA less PB",
+        ("fra", "pb"),
         _near(paper, LEAD_SLACK, "+.1f"),
         100.0,
         "+z.1f",
@@ -118,6 +123,7 @@ def _level(part: str, arm: str) -> Goal:
     return Goal(
         f"{arm}_{part.lower()}",
         f"{part}: {arm.upper()} covers",
+        (arm,),
         _near(paper, LEVEL_SLACK, ".1f"),
         100.0,
         ".1f",
@@ -135,6 +141,7 @@ def _activations(part: str) -> Goal:
     return Goal(
         f"activations_{part.lower()}",
         f"{part}: recoveries a run",
+        ("fra",),
         f"{paper:g}, within {ACTIVATION_SLACK:g}",
         1.0,
         "g",
@@ -147,6 +154,7 @@ def _rise() -> Goal:
     return Goal(
         "activations_rise",
         "Recoveries rise from part to part",
+        ("fra",),
         "A \u2264 B < C \u2264 D",
         1.0,
         "g",

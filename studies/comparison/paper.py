@@ -46,6 +46,8 @@ FINAL_COVERAGE: dict[str, dict[str, TukeyBox]] = {
 """Share of the surface that is covered at the end of a run [-], by object and method."""
 PAPER_PARTS = tuple(FINAL_COVERAGE)
 """Its objects."""
+PAPER_METHODS = tuple(FINAL_COVERAGE["A"])
+"""Its planners, by the names that ours have."""
 ACTIVATIONS: dict[str, TukeyBox] = {
     "A": TukeyBox(2, 1.5, 3),
     "B": TukeyBox(3, 2, 4),

@@ -8,8 +8,8 @@ from franbv.known_planners import PlannerName
 from franbv.parameters import Count, Parameters
 from materials.suggestion import suggest
 from render.d435i import SensorSettings
-from scenes.build import BenchName
-from scenes.parts import PART_NAMES
+from scenes.build import COUPONS, BenchName
+from scenes.parts import ALL_PARTS, PART_NAMES
 from studies.base.config import Preset
 from studies.comparison.links import LINKS
 from studies.comparison.paper import PAPER_PARTS, PAPER_RUNS
@@ -39,7 +39,10 @@ class ComparisonPreset(Preset):
     ablations: tuple[str, ...] = ()
     """Ablations by name, each with its planner on `ablated_parts`."""
     ablated_parts: tuple[str, ...] = ("C", "D")
-    """Choice: the parts of shiny metal, on which the paper counts most recoveries."""
+    """Any part or coupon that can be reconstructed; on those that are not among `parts` the planners run from the
+    starts of the ablations. Choice: the parts of shiny metal, on which the paper counts most recoveries."""
+    coupon_material: str = "stainless_austenitic:bright"
+    """Material of the coupons among them, but for the inside corner where `corner` names one (choice: the corner's)."""
     links: tuple[str, ...] = ()
     """Links before the planner that are changed, by name, each with FRA and PB on `ablated_parts`."""
     ablation_runs: Count = 5
@@ -62,7 +65,7 @@ class ComparisonPreset(Preset):
     def _known(self) -> "ComparisonPreset":
         for words, known in (
             (self.parts, PART_NAMES),
-            (self.ablated_parts, PART_NAMES),
+            (self.ablated_parts, (*ALL_PARTS, *COUPONS)),
             (self.ablations, tuple(ABLATIONS)),
             (self.links, tuple(LINKS)),
         ):
@@ -83,6 +86,23 @@ class ComparisonPreset(Preset):
     def start_numbers(self) -> tuple[int, ...]:
         """Of the starts that the planners run from."""
         return tuple(k * self.starts // self.runs for k in range(self.runs))
+
+    @property
+    def whole_parts(self) -> tuple[str, ...]:
+        """Parts on which the planners run from all starts."""
+        return (*self.parts, CORNER) if self.corner else self.parts
+
+    @property
+    def other_ablated_parts(self) -> tuple[str, ...]:
+        """Parts of ablations and links on which they run from the starts of these alone."""
+        changes = self.ablations or self.links
+        return tuple(part for part in self.ablated_parts if part not in self.whole_parts) if changes else ()
+
+    def material_of(self, part: str) -> tuple[str, ...]:
+        """Material of a part; none where it comes with its own."""
+        if part == CORNER and self.corner:
+            return (self.corner,)
+        return (self.coupon_material,) if part in COUPONS else ()
 
     @property
     def changed_start_numbers(self) -> tuple[int, ...]:

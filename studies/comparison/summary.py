@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from studies.base.numbers_as_text import counted
+from studies.comparison.equal_summary import equal_json, robust_ablation_json
 from studies.comparison.goals import MET, TOO_FEW_RUNS, goals_json, judge
 from studies.comparison.paper import PAPER_PARTS
 from studies.comparison.paper_results import paper_findings
@@ -23,8 +24,8 @@ def json_summary(comparison: Comparison, parts: Sequence[str], planners: Sequenc
     Coverage of the map, activations and what recovery brought are medians over runs, as the paper gives them; all other
     figures are means.
 
-    `runs` are those of the planners as they are on parts A to D, `other_runs` those of the inside corner, of ablations
-    and of changed links; `failed` counts runs of all kinds. `wall_s` is that of all commands that worked on the study.
+    `runs` are those of the planners as they are on parts A to D, `other_runs` those on other parts, of ablations and of
+    changed links; `failed` counts runs of all kinds. `wall_s` is that of all commands that worked on the study.
     """
     of_parts = [part for part in parts if part in PAPER_PARTS]
     main = [record for record in comparison.records if record.part in of_parts and record.arm in planners]
@@ -39,7 +40,9 @@ def json_summary(comparison: Comparison, parts: Sequence[str], planners: Sequenc
         "planning_ratio_re_pb": comparison.time_ratio(of_parts, "re", "pb", "planning"),
         "planning_ratio_fra_pb": comparison.time_ratio(of_parts, "fra", "pb", "planning"),
         "parts": {part: {planner: arm_summary(comparison, part, planner) for planner in planners} for part in parts},
-        "goals": goals_json(judge(comparison)),
+        "goals": goals_json(judge(comparison, planners)),
+        "equal_acquisitions": equal_json(comparison, parts, planners),
+        "robust_ablation": robust_ablation_json(comparison),
     }
 
 
@@ -77,7 +80,7 @@ def failed_runs(failures: Sequence[Failure]) -> int:
     return sum(failure.name != SPEED_JOB for failure in failures)
 
 
-def paragraph(comparison: Comparison, planned: int, failed: int) -> str:
+def paragraph(comparison: Comparison, planned: int, failed: int, planners: Sequence[str]) -> str:
     """What was run and how much of the paper was found."""
     done = counted(len(comparison.records), "run")
     missing = planned - len(comparison.records)
@@ -85,15 +88,19 @@ def paragraph(comparison: Comparison, planned: int, failed: int) -> str:
     rest += f"; {counted(failed, 'run')} failed" if failed else ""
     verdicts = verdict_words(finding.verdict for finding in paper_findings(comparison))
     of_paper = any(comparison.has(part) for part in PAPER_PARTS)
-    return f"{done}{rest}. {_goal_words(comparison) + ' ' if of_paper else ''}{verdicts}"
+    goals = _goal_words(comparison, planners) if of_paper else ""
+    return f"{done}{rest}. {' '.join(filter(None, (goals, verdicts)))}"
 
 
-def _goal_words(comparison: Comparison) -> str:
+def _goal_words(comparison: Comparison, planners: Sequence[str]) -> str:
     """`Of 15 goals, set by the paper's figures, 3 are met; 10 have too few runs to say.`."""
-    found = [judged.verdict for judged in judge(comparison)]
+    found = [judged.verdict for judged in judge(comparison, planners)]
+    if not found:
+        return ""
     met, few = found.count(MET), found.count(TOO_FEW_RUNS)
-    rest = f"; {few} have too few runs to say" if few else ""
-    return f"Of {len(found)} goals, set by the paper's figures, {met or 'none'} {'is' if met < 2 else 'are'} met{rest}."
+    rest = f"; {few} {'has' if few == 1 else 'have'} too few runs to say" if few else ""
+    goals = f"Of {counted(len(found), 'goal')}, set by the paper's figures"
+    return f"{goals}, {met or 'none'} {'is' if met < 2 else 'are'} met{rest}."
 
 
 def _ends(interval: Interval | MedianEstimate | None) -> list[float] | None:

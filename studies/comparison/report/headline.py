@@ -5,9 +5,10 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from render.arm.arm import ArmLimits
-from scenes.parts import PART_NAMES, part_description
+from scenes.parts import ALL_PARTS, part_description
 from studies.base.numbers_as_text import counted, number
 from studies.comparison.cases import run_settings
+from studies.comparison.method_names import method_name
 from studies.comparison.paper import FINAL_COVERAGE, PAPER_PARTS, paper_lead
 from studies.comparison.preset import CORNER, ComparisonPreset
 from studies.comparison.statistics import Comparison
@@ -28,7 +29,7 @@ def main_numbers(comparison: Comparison, arms: Sequence[str]) -> str:
         shares = ", ".join(number(100 * e.value if e else None, ".1f") for e in found)
         theirs = [FINAL_COVERAGE[part].get(arm) for part in parts]
         paper = ", ".join(f"{100 * box.median:.1f}" for box in theirs if box)
-        reached.append(f"{arm.upper()} {shares} %" + (f" (paper: {paper})" if paper else ""))
+        reached.append(f"{method_name(arm)} {shares} %" + (f" (paper: {paper})" if paper else ""))
     covered = f"On {', '.join(parts)} the final maps of the methods cover, in the median, {'; '.join(reached)}. "
     ends = {baseline: comparison.of_medians("D", ("fra", baseline), first_less_second) for baseline in ("pb", "re")}
     leads = [
@@ -55,7 +56,7 @@ def bench_words(parts: Sequence[str], preset: ComparisonPreset) -> list[tuple[st
     planned = counted(preset.runs, "start")
     return [
         ("Objects", "; ".join(part_words(part, preset) for part in parts)),
-        ("Methods", f"{', '.join(arm.upper() for arm in preset.planners)}, each from {planned} around each object"),
+        ("Methods", f"{', '.join(map(method_name, preset.planners))}, each from {planned} around each object"),
         ("Surroundings", ", ".join(f"{name} \u201c{value}\u201d" for name, value in _surroundings(run).items())),
         (
             "Camera",
@@ -86,12 +87,12 @@ def part_words(part: str, preset: ComparisonPreset) -> str:
         name, _, finish = preset.corner.partition(":")
         material = f"{name.replace('_', ' ')}{', ' * bool(finish)}{finish}"
         return f"{short_words(part)}, two plates at a right angle ({material})"
-    return f"{part}, {part_description(part)}" if part in PART_NAMES else short_words(part)
+    return f"{part}, {part_description(part)}" if part in ALL_PARTS else short_words(part)
 
 
 def short_words(part: str) -> str:
     """`A`, `Inside corner`."""
-    return part if part in PART_NAMES else part.replace("_", " ").capitalize()
+    return part if part in ALL_PARTS else part.replace("_", " ").capitalize()
 
 
 def arm_words() -> str:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 from markupsafe import Markup
 
+from studies.comparison.method_names import method_name
 from studies.comparison.paper import ACTIVATIONS, CONTRIBUTION, FINAL_COVERAGE
 from studies.comparison.records import CONTRIBUTED
 from studies.comparison.statistics import Comparison
@@ -27,7 +28,7 @@ def coverage_boxes(comparison: Comparison, parts: Sequence[str], arms: Sequence[
             100.0,
             [
                 BoxGroup(
-                    arm.upper(),
+                    method_name(arm),
                     arm,
                     [_points(FINAL_COVERAGE.get(part, {}).get(arm)), _points(comparison.box(part, arm))],
                 )

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from markupsafe import Markup
 
+from studies.comparison.method_names import method_name
 from studies.comparison.records import Record
 from studies.comparison.statistics import Comparison
 from studies.drawing import svg
@@ -85,4 +86,6 @@ def _line(arm: str, raw: bool, values: Float[np.ndarray, "runs k"], first: int, 
     median = np.median(100 * values, axis=0)
     line = svg.path([(x(first + k), y(float(v))) for k, v in enumerate(median)], f"arm {arm}{' dashed' * raw}")
     kind = "raw cloud" if raw else "map"
-    return svg.marked(line, f"{arm.upper()}, {kind}: ends at {median[-1]:.1f} % in the median of {len(values)} runs")
+    return svg.marked(
+        line, f"{method_name(arm)}, {kind}: ends at {median[-1]:.1f} % in the median of {len(values)} runs"
+    )
