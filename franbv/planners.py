@@ -28,6 +28,7 @@ from franbv.reflective_regions import (
     located,
 )
 from franbv.sensing import DepthBurst
+from franbv.stopping import StopReason, stop_reason
 from franbv.utility import recovery_utility, view_utilities
 from franbv.volumetric_information import DEFAULT_GAIN, Gain, compile_rays, view_information
 from franbv.voxel_map import VoxelMap
@@ -39,12 +40,18 @@ ScoreRecovery = Callable[[Model, OrientedBox, Intrinsics, Sequence[RigidTransfor
 Judge = Callable[[Model, Model, OrientedBox, Parameters], tuple[float, float]]
 
 
+Stop = Callable[[Model, Sequence[float], Parameters], StopReason | None]
 Candidates = Callable[[Model, Parameters, float], list[RigidTransform]]
 
 
 def ring_candidates(model: Model, parameters: Parameters, azimuth_offset: float) -> list[RigidTransform]:
     """The paper's: rings around the object's box (section III-C)."""
     return candidate_poses(model.object.box, parameters, azimuth_offset)
+
+
+def stop_by_stagnation(model: Model, best_utilities: Sequence[float], parameters: Parameters) -> StopReason | None:
+    """The paper's rules, which look at the utilities alone (section VI)."""
+    return stop_reason(best_utilities, parameters)
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,8 +77,8 @@ class Recovery:
 class Planner:
     """A next-best-view method: how bursts enter the map, what stands in for the object, how views are scored.
 
-    Candidates, reachability and the rules that end a run are the loop's and alike for all planners, so that methods
-    differ in what stands here only. The unit of a utility is the planner's own: [px^2] of eq. (2), [nat] of rays. It is
+    Reachability and the largest number of views are the loop's and alike for all planners, so that methods differ in
+    what stands here only. The unit of a utility is the planner's own: [px^2] of eq. (2), [nat] of rays. It is
     compared with those of the same run alone. `name` is what studies and results call the method.
     """
 
@@ -86,6 +93,8 @@ class Planner:
     """None: missing depth is taken as unexplored, as in PB-NBV."""
     candidates: Candidates = ring_candidates
     """(model, parameters, azimuth [rad]) -> poses among which the next best view is chosen."""
+    stop: Stop = stop_by_stagnation
+    """(model, utilities of the views chosen so far, parameters) -> the rule that ends the run, or None."""
 
 
 def pb() -> Planner:

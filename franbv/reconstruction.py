@@ -16,7 +16,7 @@ from franbv.model import Model
 from franbv.parameters import Parameters
 from franbv.planners import Planner
 from franbv.sensing import Arm, DepthBurst, DepthCamera
-from franbv.stopping import StopReason, stop_reason
+from franbv.stopping import StopReason
 
 
 def reconstruct(
@@ -45,7 +45,7 @@ def reconstruct(
         recovery = cell.activated(detection, burst)
         cell.record("nbv" if iteration else "first", iteration, view, burst, model, detection, recovery)
         model = cell.recovered(model, iteration, recovery)  # (f)
-        stop = stop_reason(best_utilities, parameters)
+        stop = planner.stop(model, best_utilities, parameters)
         if stop is not None:
             return Reconstruction(tuple(cell.acquisitions), stop)
         best = cell.next_best_view(model)  # (b)

@@ -11,14 +11,16 @@ from franbv.parameters import Parameters
 class StopReason(StrEnum):
     """The rule that ended a run; its value is what results hold.
 
-    The first two are the paper's (section VI), the third is needed because an arm may reach none of the candidates, the
-    fourth ends replays alone.
+    The first two are the paper's (section VI), the third is fra-robust's, the fourth is needed because an arm may reach
+    none of the candidates, the last ends replays alone.
     """
 
     MAX_ITERATIONS = "max_iterations"
     """N_max next-best views were taken."""
     STAGNATION = "stagnation"
     """The best utility has stopped changing."""
+    LITTLE_TO_GAIN = "little_to_gain"
+    """The best views promise too little of the surface (fra-robust's own rule)."""
     NO_REACHABLE_VIEW = "no_reachable_view"
     """The arm reaches none of the candidates."""
     RECORDING_ENDED = "recording_ended"

@@ -46,7 +46,7 @@ LOG_ODDS_LIMIT = 30.0
 """Of a voxel, either way [-] (choice: beyond what single precision needs to tell apart)."""
 
 
-class Evidence(NamedTuple):
+class Tally(NamedTuple):
     """What scans say of each voxel."""
 
     hits: Float32[np.ndarray, "x y z"]
@@ -70,7 +70,7 @@ class EvidenceMap(VoxelMap):
     """Pixels that measured confirmed surface of the object, by turn of the camera and range of incidence."""
     failures: Float[np.ndarray, "2 b"] = field(default_factory=lambda: np.zeros((N_TURNS, len(INCIDENCE_DEG) - 1)))
     """Pixels that looked at it and saw nothing or something behind it."""
-    believed: Evidence | None = None
+    believed: Tally | None = None
     """What all scans say as if none of them were contradicted; None = there is no scan."""
 
     @cached_property
@@ -139,11 +139,12 @@ def _added(
     scans: Sequence[Scan],
     ends: Sequence[Float[np.ndarray, "n"]],
     crossed: Sequence[Float[np.ndarray, "n"]],
-    to: Evidence | None = None,
-) -> Evidence:
+    to: Tally | None = None,
+) -> Tally:
     """The evidence of these scans, and of what is there already."""
     shape = grid.log_odds.shape
-    evidence = Evidence(*(array.copy() for array in to) if to else np.zeros((2, *shape), np.float32))
+    blank = np.zeros(shape, np.float32)
+    evidence = Tally(to.hits.copy(), to.passes.copy()) if to else Tally(blank, blank.copy())
     for scan, end, cross in zip(scans, ends, crossed, strict=True):
         origin, directions = _in_cells(grid, scan)
         add_evidence(shape, origin, directions, end, cross, scan.trust.ravel(), *evidence)
@@ -180,7 +181,7 @@ def _surfaces(
     return lengths, cosines
 
 
-def occupancy(evidence: Evidence, settings: RobustSettings) -> Float32[np.ndarray, "x y z"]:
+def occupancy(evidence: Tally, settings: RobustSettings) -> Float32[np.ndarray, "x y z"]:
     """L of each voxel by the formula at the head of the module; 0 where nothing was seen."""
     log_odds = np.zeros(evidence.hits.shape, np.float32)
     seen = (evidence.hits > 0) | (evidence.passes > 0)

@@ -17,10 +17,11 @@ from franbv.robust.evidence import EvidenceMap, integrate_robustly
 from franbv.robust.hypothesis import Hypothesis, hypothesis
 from franbv.robust.settings import RobustSettings
 from franbv.sensing import DepthBurst
+from franbv.stopping import StopReason
 from franbv.voxel_map import VoxelMap
 
 RobustChange = Literal["map", "views"]
-"""What fra-robust has in another way than PB-NBV: the map, and where to look next."""
+"""What fra-robust has in another way than PB-NBV: the map, and where to look next or whether at all."""
 
 
 def fra_robust(settings: RobustSettings | None = None) -> Planner:
@@ -52,8 +53,23 @@ def partly_robust(planner: Planner, changes: Sequence[RobustChange], settings: R
     ) -> Float[np.ndarray, "n"]:
         return gain_per_second(model, left(model, parameters), intrinsics, poses, settings)
 
+    def stop(model: Model, best_utilities: Sequence[float], parameters: Parameters) -> StopReason | None:
+        return little_to_gain(best_utilities, left(model, parameters), parameters, settings)
+
     if "map" in changes:
         planner = replace(planner, integrate=integrate)
     if "views" in changes:
-        planner = replace(planner, candidates=candidates, score=score)
+        planner = replace(planner, candidates=candidates, score=score, stop=stop)
     return planner
+
+
+def little_to_gain(
+    best_utilities: Sequence[float], left: Hypothesis, parameters: Parameters, settings: RobustSettings
+) -> StopReason | None:
+    """The rule that ends a run of which these views were chosen [m^2/s]: each of the last ones, as many as the paper's
+    rule looks at, promised less than `RobustSettings.least_gain` of the surface."""
+    last = best_utilities[-parameters.stagnation_iterations :]
+    least = settings.least_gain * left.surface_area
+    if len(last) == parameters.stagnation_iterations and max(last) * settings.sensing_s < least:
+        return StopReason.LITTLE_TO_GAIN
+    return StopReason.MAX_ITERATIONS if len(best_utilities) >= parameters.max_iterations else None

@@ -9,6 +9,7 @@ from studies.base.numbers_as_text import counted, millimetre_words, number, perc
 STOP_WORDS = {
     "max_iterations": "the allowed number of next best views was taken",
     "stagnation": "the utility of the best view had stopped changing",
+    "little_to_gain": "the best views promised too little of the surface",
     "no_reachable_view": "the arm could reach none of the candidate views",
     "recording_ended": "the recorded bursts were used up",
 }

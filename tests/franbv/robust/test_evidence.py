@@ -8,8 +8,8 @@ from scipy.stats import beta
 from franbv.frames import look_at, rolled
 from franbv.parameters import Parameters
 from franbv.robust.evidence import (
-    Evidence,
     EvidenceMap,
+    Tally,
     incidence_range,
     integrate_robustly,
     occupancy,
@@ -35,15 +35,15 @@ def test_log_odds_are_the_integral_over_the_rate(hits: float, passes: float):
 
     occupied = quad(likelihood, 0, 1, epsabs=0, epsrel=1e-9, limit=200)[0]
     expected = np.log(occupied) - hits * np.log(q) - passes * np.log(1 - q)
-    found = occupancy(Evidence(np.array([[[hits]]], np.float32), np.array([[[passes]]], np.float32)), SETTINGS)
+    found = occupancy(Tally(np.array([[[hits]]], np.float32), np.array([[[passes]]], np.float32)), SETTINGS)
     assert found[0, 0, 0] == pytest.approx(expected, abs=2e-3)
 
 
 def test_who_outweighs_whom():
     """One view is not undone by one contradiction, nor two by a dozen; a lone one is given up in the end."""
     hits, passes = np.array([[[1, 2, 1, 0]]], np.float32), np.array([[[1, 12, 40, 1]]], np.float32)
-    np.testing.assert_array_equal(occupancy(Evidence(hits, passes), SETTINGS) > 0, [[[True, True, False, False]]])
-    assert occupancy(Evidence(hits * 0, passes * 0), SETTINGS).max() == 0
+    np.testing.assert_array_equal(occupancy(Tally(hits, passes), SETTINGS) > 0, [[[True, True, False, False]]])
+    assert occupancy(Tally(hits * 0, passes * 0), SETTINGS).max() == 0
 
 
 def test_normals_of_a_plane():

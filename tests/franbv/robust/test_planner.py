@@ -8,7 +8,10 @@ from franbv.model import model_of
 from franbv.parameters import Parameters
 from franbv.planners import fra, pb
 from franbv.robust.evidence import EvidenceMap
-from franbv.robust.planner import fra_robust, partly_robust
+from franbv.robust.hypothesis import Hypothesis
+from franbv.robust.planner import fra_robust, little_to_gain, partly_robust
+from franbv.robust.settings import RobustSettings
+from franbv.stopping import StopReason
 from franbv.voxel_map import empty_map
 from tests.franbv.analytic_camera import AnalyticCamera
 from tests.franbv.robust.mirror_camera import BOX, ROOM
@@ -45,6 +48,28 @@ def test_the_views_alone_work_on_the_papers_map():
     near, far = planner.score(model, burst.intrinsics, poses, PARAMETERS)
     assert far > 2 * near >= 0
     assert len(planner.candidates(model, PARAMETERS, 0.0)) > 2 * PARAMETERS.n_candidates
+
+
+def test_it_ends_when_views_promise_little():
+    """By hand: 0.5 % of a square metre are 50 cm^2; five views below that end it, four or a better one do not."""
+    left = Hypothesis(
+        *np.zeros((2, 0, 3)),
+        np.zeros(0),
+        np.zeros(0, bool),
+        np.zeros(0),
+        np.zeros((0, 2, 5)),
+        np.zeros((2, 5)),
+        surface_area=1.0,
+    )
+    poor, good = 0.0049 / 3, 0.0051 / 3
+
+    def ends(*utilities: float):
+        return little_to_gain(utilities, left, PARAMETERS, RobustSettings(least_gain=0.005, sensing_s=3.0))
+
+    assert ends(good, *[poor] * 5) == StopReason.LITTLE_TO_GAIN
+    assert ends(*[poor] * 4) is None
+    assert ends(*[poor] * 4, good) is None
+    assert ends(*[good] * PARAMETERS.max_iterations) == StopReason.MAX_ITERATIONS
 
 
 def test_all_of_it_is_fra_robust():
