@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
+from scipy.ndimage import uniform_filter
 from scipy.spatial import ConvexHull, KDTree, QhullError
 from scipy.spatial.transform import RigidTransform
 
@@ -27,6 +28,7 @@ from franbv.parameters import Parameters
 from franbv.robust.evidence import INCIDENCE_DEG, N_TURNS, EvidenceMap, incidence_range, with_scans
 from franbv.robust.rays import cells_of, first_surfaces
 from franbv.robust.settings import RobustSettings
+from franbv.voxel_map import extent
 
 MOST_ELEMENTS = 1500
 """Elements of the surface (choice: a centimetre apart on a part of 20 cm)."""
@@ -62,11 +64,6 @@ class Hypothesis:
     """That a view measures surface, by turn of the camera and range of incidence [0, 1]."""
     surface_area: float
     """Of all that is measured or supposed, measured densely or not [m^2]."""
-
-    @property
-    def missing_share(self) -> float:
-        """Of the surface, that no point covers [0, 1]."""
-        return float(self.areas @ self.left) / self.surface_area if self.surface_area > 0 else 1.0
 
 
 def hypothesis(model: Model, parameters: Parameters, settings: RobustSettings) -> Hypothesis:
@@ -121,6 +118,25 @@ def _frontier_normals(grid: EvidenceMap, frontier: Float[np.ndarray, "n 3"]) -> 
     sums = (free & (occupied.sum(axis=1, keepdims=True) <= MOST_AT_RIM)) @ steps
     length = np.linalg.norm(sums, axis=1, keepdims=True)
     return np.divide(sums, length, out=np.zeros_like(sums), where=length > 0)
+
+
+def missing_share(model: Model, left: Hypothesis, settings: RobustSettings) -> float:
+    """Share of the surface that is expected to lie farther than the resolution from every point [0, 1].
+
+    Points of neighbouring voxels cover as well, so that of measured voxels the mean of the 27 around each counts.
+    """
+    if left.surface_area == 0:
+        return 1.0
+    grid = with_scans(model.voxel_map)
+    index, _ = grid.indices(model.object.occupied)
+    near = extent(grid.occupied, margin=1)
+    at = tuple((index - [part.start for part in near]).T)
+    occupied = grid.occupied[near].astype(float)
+    points = np.where(grid.occupied, grid.points, 0.0)[near]
+    density = uniform_filter(points, 3, mode="constant")[at] / uniform_filter(occupied, 3, mode="constant")[at]
+    area = grid.voxel_size**2
+    sparse = area * np.exp(-density * np.pi * settings.resolution**2 / area).sum()
+    return float((left.areas[left.unfound] @ left.left[left.unfound] + sparse) / left.surface_area)
 
 
 def success_chances(
