@@ -28,9 +28,8 @@ def main(folders: list[Path]) -> None:
     """Print the table over all views of all runs."""
     runs = [StoredRun(case) for folder in folders for case in stored_runs(folder)]
     pairs = np.concatenate([believed_and_true(run) for run in runs if run.run["config"]["planner"] == "fra-robust"])
-    print(
-        "| believed missing | views | believed, mean | missing, mean | lowest and highest tenth |\n|---|---|---|---|---|"
-    )
+    print("| believed missing | views | believed, mean | missing, mean | lowest and highest tenth |")
+    print("|---" * 5 + "|")
     for low, high in pairwise(EDGES):
         believed, missing = pairs[(pairs[:, 0] >= low) & (pairs[:, 0] < high)].T
         if len(missing):
