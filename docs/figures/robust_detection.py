@@ -23,7 +23,7 @@ from materials.input_error import InputError
 from render.d435i import SimulatedD435i
 from studies.run.scene_settings import SubjectSettings, build_subject
 from studies.run.stored_run import StoredRun, stored_runs
-from studies.scoring.burst_detection import BurstScores, ViewTruth, measured_view, score_burst, together
+from studies.scoring.burst_detection import BurstScores, ViewTruth, measured_view, score_burst, summed_scores
 from studies.store.views import read_arrays, write_arrays
 
 EARLY = 5
@@ -36,7 +36,7 @@ HEAD = (
 
 
 def main(folders: list[Path], preset: str | None, keep: Path | None) -> None:
-    """Print the table, run by run, and all together."""
+    """Print the table, run by run, and all summed_scores."""
     print(HEAD + "\n" + "|---" * HEAD.count(" |") + "|")
     everything: dict[str, list[BurstScores]] = {name: [] for name in COMPARED}
     for case in (case for folder in folders for case in stored_runs(folder)):
@@ -96,7 +96,7 @@ def scores_of(planner: Planner, views: list[tuple[DepthBurst, ViewTruth]], param
 
 def row(run: str, detector: str, scores: list[BurstScores]) -> str:
     """Of the table."""
-    s = together(scores)
+    s = summed_scores(scores)
     cells = [
         *(run, detector, str(s.views)),
         *(f"{share:.2f}" for share in (s.holes_precision, s.highlight_precision, s.holes_recall)),

@@ -79,8 +79,8 @@ class ObjectHull:
 def object_hull(grid: EvidenceMap, parameters: Parameters, settings: RobustSettings) -> ObjectHull | None:
     """The hull of the object's surely occupied voxels and of their shadow on the table; None before there is any."""
     above = above_table(grid, parameters)
-    for sure in (grid.log_odds > settings.sure_log_odds, np.any(grid.normals, axis=-1)):
-        solid = large_components(sure & above, parameters.min_component_voxels, parameters.min_component_share)
+    for sure in (lambda: grid.log_odds > settings.sure_log_odds, lambda: np.any(grid.normals, axis=-1)):
+        solid = large_components(sure() & above, parameters.min_component_voxels, parameters.min_component_share)
         measured = grid.centres(solid)
         shadow = measured.copy()
         shadow[:, 2] = parameters.table_height

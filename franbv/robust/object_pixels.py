@@ -58,7 +58,7 @@ def object_pixels(
     covered = hull.covered(burst.intrinsics, burst.T_world_cam)
     entry, leaves, deepest = np.full(shape, np.inf), np.full(shape, -np.inf), np.full(shape, -np.inf)
     entry[covered], leaves[covered], deepest[covered] = hull.crossed(burst.T_world_cam.translation, rays[covered])
-    surface, farthest = _confirmed(burst, model, covered, parameters)
+    surface, farthest = _confirmed(burst, model, covered, leaves, parameters)
     end = burst.T_world_cam.translation[2] + lengths * rays[..., 2]
     return ObjectPixels(
         rays=rays,
@@ -75,9 +75,14 @@ def object_pixels(
 
 
 def _confirmed(
-    burst: DepthBurst, model: Model, covered: Bool[np.ndarray, "h w"], parameters: Parameters
+    burst: DepthBurst,
+    model: Model,
+    covered: Bool[np.ndarray, "h w"],
+    leaves: Float[np.ndarray, "h w"],
+    parameters: Parameters,
 ) -> tuple[Float[np.ndarray, "h w"], Float[np.ndarray, "h w"]]:
-    """Median and farthest length at which the covered pixels' rays meet confirmed surface above the table."""
+    """Median and farthest length at which the covered pixels' rays meet confirmed surface above the table, up to a
+    voxel behind the hull."""
     grid, i = with_scans(model.voxel_map), burst.intrinsics
     median, farthest = np.full(covered.shape, np.inf), np.full(covered.shape, np.inf)
     v, u = np.nonzero(covered)
@@ -88,7 +93,8 @@ def _confirmed(
     )
     eye = burst.T_world_cam.translation
     origins = np.tile(cells_of(eye[None], grid.first, grid.voxel_size), (len(rays), 1))
-    found = first_surfaces(grid.surface, origins, rays / grid.voxel_size, GRAZING, np.full(len(rays), np.inf))[0]
+    reach = np.tile(leaves[covered] + grid.voxel_size, len(OFFSETS))
+    found = first_surfaces(grid.surface, origins, rays / grid.voxel_size, GRAZING, reach)[0]
     above = eye[2] + np.where(np.isfinite(found), found, 0.0) * rays[:, 2]
     found[above <= parameters.table_height + parameters.table_clearance] = np.inf
     found = np.sort(found.reshape(len(OFFSETS), -1), axis=0)  # rays that meet none come last

@@ -61,7 +61,8 @@ def detect_robustly(
         )
     seen = object_pixels(burst, model, hull, parameters, settings)
     size = model.voxel_map.voxel_size
-    objects = seen.deepest > settings.least_inside_voxels * size
+    inside = min(settings.least_inside_voxels * size, settings.least_inside_share * float(seen.deepest.max()))
+    objects = seen.covered & (seen.deepest > inside)
     holes = objects & holes_of_reflection(seen, settings)
     false = (seen.deepest > settings.false_inside_voxels * size) & depth_that_contradicts(
         burst, seen, parameters, settings, size

@@ -172,7 +172,7 @@ def score_burst(detection: Detection, burst: DepthBurst, truth: ViewTruth) -> Bu
     )
 
 
-def together(scores: Iterable[BurstScores]) -> BurstScores:
+def summed_scores(scores: Iterable[BurstScores]) -> BurstScores:
     """Of several views, summed."""
     total = BurstScores()
     for one in scores:
