@@ -60,7 +60,9 @@ def labelled_views(
     config = stored.run["config"]
     if "part" not in config:
         raise InputError(f"{stored.folder}: is no simulated run; give the --out folder of `franbv reconstruct`")
-    subject = SubjectSettings.model_validate({name: config[name] for name in SubjectSettings.model_fields})
+    subject = SubjectSettings.model_validate(
+        {name: config[name] for name in SubjectSettings.model_fields if name in config}
+    )
     sensor = subject.sensor if preset is None else subject.sensor.model_copy(update={"preset": preset})
     camera = SimulatedD435i(build_subject(subject).scene, sensor, subject.seed)
     for number in range(len(stored.rows)):

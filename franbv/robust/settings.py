@@ -58,7 +58,7 @@ class RobustSettings(BaseModel):
     """A pixel looks at the object if its ray comes deeper than this below the hull [s_v]. Choice: a voxel, by which the
     hull may be too large; at its rim the matcher loses pixels whatever they show."""
     least_inside_share: Share = 0.5
-    """Or than this share of what any ray of the view does [-]. Choice: half, for parts and first hulls that are thin."""
+    """Or than this share of what any ray of the view does [-]. Choice: half, for thin parts and thin first hulls."""
     false_inside_voxels: Positive = 1.5
     """Depth is called false only where the ray comes deeper below the hull than this [s_v]. Choice: half a voxel more
     than for a hole, since right depth of what lies past a rim that is none would be called false."""

@@ -14,11 +14,11 @@ from scipy.spatial.transform import RigidTransform
 from franbv.frames import Intrinsics
 from franbv.reflective_regions import Detection
 from franbv.robust.regions import RobustDetection
-from franbv.sensing import DepthBurst
+from franbv.sensing import DepthBurst, median_depth
 from render.d435i import SimulatedD435i
 from render.labels.causes import is_of
 from render.labels.labels import label_frame
-from render.labels.outcome import blocks
+from render.labels.outcome import INVALID_SHARE, blocks, perfect_blocks
 from render.world.truth import looks_at_part
 from studies.scoring.missing_surface import reflective_holes
 from studies.scoring.pixels import share
@@ -42,7 +42,8 @@ class ViewTruth:
     depth: Float[np.ndarray, "h w"]
     """True Z-depth of the block, the median of its pixels [m]; NaN = nothing there."""
     error: Float[np.ndarray, "h w"]
-    """By which the measured depth is off that [m]; 0 where nothing was measured."""
+    """By which the measured depth is off the truth that the labels hold it against (`perfect_blocks`) [m]; 0 where
+    nothing was measured."""
 
 
 def measured_view(camera: SimulatedD435i, T_world_cam: RigidTransform, n_frames: int) -> tuple[DepthBurst, ViewTruth]:
@@ -54,7 +55,8 @@ def measured_view(camera: SimulatedD435i, T_world_cam: RigidTransform, n_frames:
     there = np.any(behind > 0, axis=-1)
     depth = np.full(there.shape, np.nan)
     depth[there] = np.nanmedian(np.where(behind[there] > 0, behind[there], np.nan), axis=-1)
-    measured = measurement.burst.median_depth()
+    measured = measurement.burst.median_depth(INVALID_SHARE)
+    expected = median_depth(perfect_blocks(camera, measurement.z16, truth.depth), INVALID_SHARE)
     return measurement.burst, ViewTruth(
         reflective=reflective_holes(labels),
         over_exposed=is_of(labels.cause_decimated, "over_exposed"),
@@ -62,7 +64,7 @@ def measured_view(camera: SimulatedD435i, T_world_cam: RigidTransform, n_frames:
         false_depth=labels.false_decimated,
         part=blocks(looks_at_part(truth, camera.scene), camera).mean(axis=-1) > 0.5,
         depth=depth,
-        error=np.where((measured > 0) & there, np.abs(measured - np.nan_to_num(depth)), 0.0),
+        error=np.where(measured > 0, np.abs(measured - expected), 0.0),
     )
 
 
