@@ -41,7 +41,8 @@ class ObjectPixels:
     farthest_surface: Float[np.ndarray, "h w"]
     """The farthest that any of its rays meets; inf unless all of them do."""
     disparity_slope: Float[np.ndarray, "h w"]
-    """Change of the hull's disparity along the baseline [px per px]; 0 where a neighbour is not covered."""
+    """Change of the hull's disparity from pixel to pixel [px per px]; a neighbour that is not covered counts for
+    nothing."""
     end_height: Float[np.ndarray, "h w"]
     """World z of what was measured [m]; NaN where nothing was."""
 
@@ -103,7 +104,11 @@ def _confirmed(
 
 
 def _slope(disparity: Float[np.ndarray, "h w"]) -> Float[np.ndarray, "h w"]:
-    """Largest change to a neighbour along the row; 0 disparity is outside the hull and counts for nothing."""
+    """Magnitude of the change to a neighbour; 0 disparity is outside the hull and counts for nothing."""
+    return np.hypot(_step_along_rows(disparity), _step_along_rows(disparity.T).T)
+
+
+def _step_along_rows(disparity: Float[np.ndarray, "h w"]) -> Float[np.ndarray, "h w"]:
     step = np.abs(np.diff(disparity, axis=1))
     step[(disparity[:, 1:] == 0) | (disparity[:, :-1] == 0)] = 0.0
     padded = np.pad(step, ((0, 0), (1, 1)))

@@ -2,9 +2,9 @@
 
 A pixel looks at the object where its ray comes well below the hull of what was measured (`hull`). There
 
-- missing depth is a reflective hole, unless geometry explains it: the surface is too steep along the baseline for a
-  matcher's window, or the pixel stands beside others without depth past the rim, in the shadow that the object casts on
-  what lies behind it as the right imager sees it;
+- missing depth is a reflective hole, unless geometry explains it: the surface is too steep for a matcher's window, or
+  the pixel stands beside others without depth past the rim, along the baseline, where what lies behind the object is
+  hidden from the right imager;
 - depth is false where it ends behind surface that several views confirmed; where it passes the hull whole; or where it
   ends deep within the hull, and on the table at that, or unsteadily from frame to frame.
 
