@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
+from franbv.frames import project
 from franbv.model import Model
 from franbv.parameters import Parameters
 from franbv.robust.evidence import with_scans
@@ -38,6 +39,8 @@ class ObjectPixels:
     """How deep it comes below the hull's faces; -inf elsewhere."""
     surface: Float[np.ndarray, "h w"]
     """Confirmed surface of the object, the median of the pixel's rays; inf unless most of them meet it."""
+    faces_camera: Bool[np.ndarray, "h w"]
+    """That surface was measured from the side that the camera stands on; else it may be the far side of the part."""
     farthest_surface: Float[np.ndarray, "h w"]
     """The farthest that any of its rays meets; inf unless all of them do."""
     disparity_slope: Float[np.ndarray, "h w"]
@@ -69,6 +72,7 @@ def object_pixels(
         leaves=leaves,
         deepest=deepest,
         surface=surface,
+        faces_camera=_measured_from_here(model, burst.T_world_cam.translation, rays, surface, settings),
         farthest_surface=farthest,
         disparity_slope=_slope(stretch / entry * burst.intrinsics.fx * settings.baseline),
         end_height=np.where(lengths > 0, end, np.nan),
@@ -101,6 +105,32 @@ def _confirmed(
     found = np.sort(found.reshape(len(OFFSETS), -1), axis=0)  # rays that meet none come last
     median[covered], farthest[covered] = found[len(OFFSETS) // 2], found[-1]
     return median, farthest
+
+
+def _measured_from_here(
+    model: Model,
+    eye: Float[np.ndarray, "3"],
+    rays: Float[np.ndarray, "h w 3"],
+    surface: Float[np.ndarray, "h w"],
+    settings: RobustSettings,
+) -> Bool[np.ndarray, "h w"]:
+    """Pixels whose surface some scan measured that stood on the same side of it."""
+    grid, met = with_scans(model.voxel_map), np.isfinite(surface)
+    points = eye + surface[met][:, None] * rays[met]
+    index, inside = grid.indices(points)
+    normals = np.where(inside[:, None], grid.normals[tuple(np.where(inside[:, None], index, 0).T)], 0.0)
+    side = np.einsum("nk,nk->n", normals, eye - points)
+    tolerance, facing = settings.contradiction_voxels * grid.voxel_size, np.zeros(len(points), bool)
+    for scan in grid.scans:
+        camera = scan.T_world_cam.inv().apply(points)
+        u, v = np.rint(np.nan_to_num(project(camera, scan.intrinsics), nan=-1.0)).astype(np.int64).T
+        seen = (u >= 0) & (u < scan.intrinsics.width) & (v >= 0) & (v < scan.intrinsics.height)
+        measured = scan.lengths[np.where(seen, v * scan.intrinsics.width + u, 0)]
+        hit = seen & (np.abs(measured - np.linalg.norm(camera, axis=1)) < tolerance)
+        facing |= hit & (side * np.einsum("nk,nk->n", normals, scan.T_world_cam.translation - points) > 0)
+    found = np.zeros(met.shape, bool)
+    found[met] = facing
+    return found
 
 
 def _slope(disparity: Float[np.ndarray, "h w"]) -> Float[np.ndarray, "h w"]:

@@ -5,8 +5,8 @@ A pixel looks at the object where its ray comes well below the hull of what was 
 - missing depth is a reflective hole, unless geometry explains it: the surface is too steep for a matcher's window, or
   the pixel stands beside others without depth past the rim, along the baseline, where what lies behind the object is
   hidden from the right imager;
-- depth is false where it ends behind surface that several views confirmed; where it passes the hull whole; or where it
-  ends deep within the hull, and on the table at that, or unsteadily from frame to frame.
+- depth is false where it ends behind surface that several views confirmed, or where it passes the hull whole or ends
+  deep within it, and that unsteadily: mirror images flicker from frame to frame, as what they show lies far off.
 
 What depth alone cannot tell apart: a highlight that drowns a matte surface is a hole as well, and false depth that is
 wrong by less than a voxel and a half passes unseen. A part that is hollow under its hull looks as a mirror would until
@@ -83,7 +83,7 @@ def holes_of_reflection(seen: ObjectPixels, settings: RobustSettings) -> Bool[np
 def depth_that_contradicts(
     burst: DepthBurst, seen: ObjectPixels, parameters: Parameters, settings: RobustSettings, size: float
 ) -> Bool[np.ndarray, "h w"]:
-    """Depth that contradicts confirmed surface, or that the hull says cannot be. size: of a voxel [m]."""
+    """Depth behind confirmed surface, or where the hull says that it cannot be and unsteady. size: of a voxel [m]."""
     behind = settings.false_behind_voxels * size
     measured = seen.covered & (seen.lengths > 0)
     contradicts = measured & (seen.lengths > seen.farthest_surface + behind)
@@ -91,16 +91,27 @@ def depth_that_contradicts(
     agrees = np.abs(seen.lengths - seen.surface) < behind
     hollow = measured & ~passes & ~agrees & (seen.lengths > seen.entry + settings.hollow_voxels * size)
     on_table = seen.end_height < parameters.table_height + size
-    return contradicts | passes | (hollow & (on_table | unsteady(burst, seen, settings)))
+    least = np.where(on_table, settings.noisy_on_table, settings.noisy)
+    noise = unsteadiness(burst, measured, settings)
+    return contradicts | (passes & (noise > settings.noisy_beyond)) | (hollow & (noise > least))
 
 
-def unsteady(burst: DepthBurst, seen: ObjectPixels, settings: RobustSettings) -> Bool[np.ndarray, "h w"]:
-    """Pixels whose depth varies over the frames by more than noise does."""
+def unsteadiness(
+    burst: DepthBurst, pixels: Bool[np.ndarray, "h w"], settings: RobustSettings
+) -> Float[np.ndarray, "h w"]:
+    """Spread of each pixel's depth over the frames, over that of noise [-]: the median of those around it that count,
+    since mirror images come in patches; 0 where none does."""
     valid = burst.depths > 0
     count = np.maximum(valid.sum(axis=0), 1)
     mean = burst.depths.sum(axis=0) / count
     spread = np.sqrt((np.where(valid, burst.depths - mean, 0.0) ** 2).sum(axis=0) / count)
-    return spread > settings.noisy * settings.depth_noise * mean**2
+    noise = np.maximum(settings.depth_noise * mean**2, np.finfo(float).tiny)
+    padded = np.pad(np.where(pixels, spread / noise, np.nan), 1, constant_values=np.nan)
+    height, width = pixels.shape
+    around = np.stack([padded[r : r + height, c : c + width] for r, c in np.ndindex(3, 3)])
+    found = np.zeros(pixels.shape)
+    found[pixels] = np.nanmedian(around[:, pixels], axis=0)
+    return found
 
 
 def probable_surface(
@@ -113,11 +124,11 @@ def probable_surface(
 ) -> tuple[Float[np.ndarray, "h w 3"], Float[np.ndarray, "h w"]]:
     """Places of the pixels' surface [m], and their standard deviation [m]; NaN elsewhere.
 
-    The confirmed surface that the ray meets, unless that is the far side of the part; else the hull.
+    The confirmed surface that the ray meets, if it was measured from this side or lies near the hull; else the hull.
     """
     places, uncertainty = _nowhere(pixels.shape), np.full(pixels.shape, np.nan)
-    near = seen.surface < seen.entry + settings.at_hull_voxels * size
-    lengths = np.where(near, seen.surface, seen.entry)[pixels]
+    front = seen.faces_camera | (seen.surface < seen.entry + settings.at_hull_voxels * size)
+    lengths = np.where(front, seen.surface, seen.entry)[pixels]
     points = burst.T_world_cam.translation + lengths[:, None] * seen.rays[pixels]
     places[pixels] = points
     gap = KDTree(hull.measured).query(points)[0] if len(points) else np.zeros(0)

@@ -72,7 +72,13 @@ class RobustSettings(BaseModel):
     """RMS of depth is this times its square [1/m]. D400 depth quality: 0.1 px over f B, which is 17 px m of a D435 at
     640 x 360."""
     noisy: Positive = 3.0
-    """A burst's depth is unsteady if its spread is this times that of noise [-]. The usual three."""
+    """Depth that ends deep within the hull is false if its spread over a burst is this times noise [-]. The usual
+    three."""
+    noisy_on_table: Positive = 1.5
+    """Or this times, if it ends on the table [-]. Choice: half, since the table within the hull is no place to see."""
+    noisy_beyond: Positive = 1.0
+    """Depth that passes the hull whole is false if its spread is this times noise [-]. Choice: any that is more than
+    the most that the camera is to have."""
     baseline: Positive = 0.05
     """Between the imagers [m]. The D435's; a D415 has 0.055."""
     steepest: Positive = 0.25

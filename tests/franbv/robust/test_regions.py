@@ -38,9 +38,11 @@ def after(camera: AnalyticCamera, eyes: list, last: DepthBurst | None = None) ->
     return model_of(voxel_map, fra_robust(), PARAMETERS, np.random.SeedSequence(0))
 
 
-def seen_by(camera: AnalyticCamera, eye=ASLANT, roll: float = 0.0) -> tuple[DepthBurst, RobustDetection]:
+def seen_by(
+    camera: AnalyticCamera, eye=ASLANT, roll: float = 0.0, frames: int = 3
+) -> tuple[DepthBurst, RobustDetection]:
     """A burst from there, and what it shows after the views around."""
-    burst = camera.capture(rolled(look_at(np.array(eye), MIDDLE), roll), 3)
+    burst = camera.capture(rolled(look_at(np.array(eye), MIDDLE), roll), frames)
     return burst, detect_robustly(burst, after(camera, AROUND, burst), PARAMETERS, SETTINGS)
 
 
@@ -76,15 +78,36 @@ def test_a_side_without_depth_is_a_reflective_hole_where_it_is(roll):
 
 
 @pytest.mark.parametrize("roll", [0.0, 90.0])
-def test_what_a_side_mirrors_is_false_depth(roll):
-    """Depth that stands behind a mirroring side is false, and its surface lies on that side."""
-    burst, found = seen_by(MirrorCamera(room=ROOM), roll=roll)
+def test_what_a_side_mirrors_is_false_depth_if_it_flickers(roll):
+    """Depth that stands behind a mirroring side is false, but for the few that end at the far side's surface by chance,
+    and its surface lies on that side. Depth past the hull that is as steady as a camera's best may be seen through a
+    hollow, and is not."""
+    burst, found = seen_by(MirrorCamera(room=ROOM, noise=0.002), roll=roll, frames=15)
     inner = side_of(burst, 3 * VOXEL)
     assert inner.sum() > 10
-    assert np.mean(found.false_depth[inner]) > 0.95
+    assert np.mean(found.false_depth[inner]) > 0.85
     assert not np.any(found.false_depth & ~side_of(burst, -VOXEL))
     assert not found.holes.any()
     assert np.nanmax(np.abs(found.places[inner][:, 1] - BOX[1][1])) < VOXEL
+    _, steady = seen_by(MirrorCamera(room=ROOM, noise=0.0002), roll=roll, frames=15)
+    assert not steady.false_depth.any()
+
+
+def test_surface_that_was_measured_from_this_side_is_where_a_hole_lies():
+    """The wall within an L lies far behind its hull: once it was measured from the front, a hole on it lies there. The
+    far side of a plain box was measured from behind, and a hole before it lies on the hull."""
+    legs = (((-0.06, -0.04, 0.0), (0.06, 0.04, 0.02)), ((-0.06, -0.04, 0.0), (-0.04, 0.04, 0.1)))
+    plain = AnalyticCamera(legs, room=ROOM)
+    front = [(0.3, 0.0, 0.15), (0.28, 0.08, 0.18), (0.28, -0.08, 0.18)]
+    burst = plain.capture(look_at(np.array([0.3, 0.0, 0.12]), MIDDLE), 3)
+    rays = burst.T_world_cam.rotation.apply(burst.intrinsics.pixel_directions().reshape(-1, 3))
+    points = burst.T_world_cam.translation + burst.median_depth().reshape(-1, 1) * rays
+    wall = (np.abs(points[:, 0] + 0.04) < 0.003) & (np.abs(points[:, 1]) < 0.02) & (points[:, 2] < 0.07)
+    wall = (wall & (points[:, 2] > 0.04)).reshape(SHAPE)
+    last = replace(burst, depths=np.where(wall, 0, burst.depths).astype(np.float32))
+    found = detect_robustly(last, after(plain, [*AROUND, *front], last), PARAMETERS, SETTINGS)
+    assert (found.holes & wall).sum() > 5
+    assert np.all(np.abs(found.places[found.holes & wall][:, 0] + 0.04) < VOXEL)
 
 
 def test_a_matte_box_has_neither():
@@ -157,7 +180,8 @@ def test_unsteady_depth_within_the_hull_is_false():
     for swing, named in ((0.0, False), (0.01, True)):
         depths = burst.depths.copy()
         for frame, by in zip(depths, (-swing, 0.0, swing), strict=True):
-            frame[pit] += 0.045 + by
+            frame[side_of(burst, 0.0)] += by
+            frame[pit] += 0.045
         last = replace(burst, depths=depths)
         found = detect_robustly(last, after(camera, AROUND, last), PARAMETERS, SETTINGS)
         assert found.false_depth[pit].all() == found.false_depth[pit].any() == named
