@@ -91,11 +91,12 @@ class PlanningCell:
 
     def detect(self, burst: DepthBurst, before: Model, model: Model) -> Detection | None:
         """Reflective regions in the burst; before, model: without and with it (`Parameters.detection_ellipsoids`)."""
-        if self.planner.recovery is None:
+        detect = self.planner.detect if self.planner.recovery is None else self.planner.recovery.detect
+        if detect is None:
             return None
         with self.clock.planning("detection"):
             known = before if self.parameters.detection_ellipsoids == "previous" else model
-            return self.planner.recovery.detect(burst, known, self.parameters)
+            return detect(burst, known, self.parameters)
 
     def activated(self, detection: Detection | None, burst: DepthBurst) -> ActivatedRecovery | None:
         """The recovery of the largest region; None if there is none."""

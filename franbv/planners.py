@@ -95,6 +95,8 @@ class Planner:
     """(model, parameters, azimuth [rad]) -> poses among which the next best view is chosen."""
     stop: Stop = stop_by_stagnation
     """(model, utilities of the views chosen so far, parameters) -> the rule that ends the run, or None."""
+    detect: Detect | None = None
+    """Regions that are named and shown, of a planner that recovers none by itself; a `recovery` has its own."""
 
 
 def pb() -> Planner:

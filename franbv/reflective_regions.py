@@ -193,8 +193,8 @@ def group_into_boxes(
 
     No side of a box is shorter than a voxel, so that a flat region has a volume. box_of: makes the boxes.
     """
-    if len(points) == 0:
-        return np.zeros(0, int), ()
+    if len(points) < parameters.cluster_min_samples:
+        return np.full(len(points), -1), ()
     radius = parameters.cluster_radius_voxels * parameters.voxel_size
     clusters = DBSCAN(eps=radius, min_samples=parameters.cluster_min_samples).fit_predict(points)
     boxes = [box_of(points[clusters == k], parameters.voxel_size) for k in range(clusters.max() + 1)]

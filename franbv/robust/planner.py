@@ -12,9 +12,11 @@ from franbv.frames import Intrinsics
 from franbv.model import Model
 from franbv.parameters import Parameters
 from franbv.planners import Planner, pb, without_ellipsoids
+from franbv.reflective_regions import Detection
 from franbv.robust.choice import gain_per_second, robust_candidates
 from franbv.robust.evidence import EvidenceMap, integrate_robustly
 from franbv.robust.hypothesis import Hypothesis, hypothesis
+from franbv.robust.regions import detect_robustly
 from franbv.robust.settings import RobustSettings
 from franbv.sensing import DepthBurst
 from franbv.stopping import StopReason
@@ -26,8 +28,13 @@ RobustChange = Literal["map", "views"]
 
 def fra_robust(settings: RobustSettings | None = None) -> Planner:
     """Views of what is left to be measured, from where it is likely to succeed. settings: None = the defaults."""
+    settings = settings or RobustSettings()
+
+    def detect(burst: DepthBurst, model: Model, parameters: Parameters) -> Detection:
+        return detect_robustly(burst, model, parameters, settings)
+
     planner = partly_robust(pb(), get_args(RobustChange), settings)
-    return replace(planner, name="fra-robust", approximate=without_ellipsoids)
+    return replace(planner, name="fra-robust", approximate=without_ellipsoids, detect=detect)
 
 
 def partly_robust(planner: Planner, changes: Sequence[RobustChange], settings: RobustSettings | None = None) -> Planner:

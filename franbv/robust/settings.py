@@ -50,6 +50,47 @@ class RobustSettings(BaseModel):
     """Rounds of finding surface and taking back what contradicts it, for each burst [-]. Choice: a third changes less
     than one voxel in a hundred."""
 
+    # -- regions -----------------------------------------------------------------------------------------------------
+    sure_log_odds: Positive = 4.0
+    """Log-odds from which a voxel surely holds surface, for the hull of the object [-]. Choice: one whole hit has 5.3,
+    one hit and one whole pass 3.3."""
+    least_inside_voxels: Positive = 1.0
+    """A pixel looks at the object if its ray comes deeper than this below the hull [s_v]. Choice: a voxel, by which the
+    hull may be too large; at its rim the matcher loses pixels whatever they show."""
+    least_inside_share: Share = 0.5
+    """Or than this share of what any ray of the view does [-]. Choice: half, for thin parts and thin first hulls."""
+    false_inside_voxels: Positive = 1.5
+    """Depth is called false only where the ray comes deeper below the hull than this [s_v]. Choice: half a voxel more
+    than for a hole, since right depth of what lies past a rim that is none would be called false."""
+    false_behind_voxels: Positive = 1.5
+    """Depth is false if it ends farther than this behind confirmed surface, or behind the hull [s_v]. Choice: as
+    `contradiction_voxels`, less the half voxel by which a hull through voxels' centres lies within the surface."""
+    hollow_voxels: Positive = 4.0
+    """Depth that ends within the hull, farther than this behind its face, is suspected [s_v]. Choice: deeper than a
+    step or a groove of a part; it takes one more sign to make it false."""
+    depth_noise: Positive = 0.006
+    """RMS of depth is this times its square [1/m]. D400 depth quality: 0.1 px over f B, which is 17 px m of a D435 at
+    640 x 360."""
+    noisy: Positive = 3.0
+    """Depth that ends deep within the hull is false if its spread over a burst is this times noise [-]. The usual
+    three."""
+    noisy_on_table: Positive = 1.5
+    """Or this times, if it ends on the table [-]. Choice: half, since the table within the hull is no place to see."""
+    noisy_beyond: Positive = 1.0
+    """Depth that passes the hull whole is false if its spread is this times noise [-]. Choice: any that is more than
+    the most that the camera is to have."""
+    baseline: Positive = 0.05
+    """Between the imagers [m]. The D435's; a D415 has 0.055."""
+    steepest: Positive = 0.25
+    """Change of disparity from pixel to pixel beyond which a matcher's window does not hold a surface [px per px].
+    Choice: a whole step between the middle and the rim of a 9 x 9 window; 60 deg of incidence at 0.35 m."""
+    at_hull_voxels: Positive = 3.0
+    """Confirmed surface farther than this behind the hull's face is the far side of the part [s_v]. Choice: beyond what
+    grooves have, and thinner than parts are."""
+    sag: Share = 0.1
+    """Of the distance to the nearest measured voxel, by which surface may leave the hull [-]. Choice: a round part that
+    is measured every 60 deg."""
+
     # -- views -------------------------------------------------------------------------------------------------------
     resolution: Positive = 0.005
     """Surface counts as measured if a point lies nearer than this [m]. The paper's threshold of coverage (section VI)

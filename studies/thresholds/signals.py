@@ -20,6 +20,7 @@ from franbv.ellipsoids import Ellipsoids
 from franbv.known_planners import PLANNERS
 from franbv.parameters import Parameters
 from franbv.reflective_regions import View, persistent_invalid
+from franbv.robust.regions import RobustDetection
 from franbv.sensing import DepthBurst
 from franbv.stopping import StopReason
 from studies.run.acquisition_table import RECOVERY
@@ -76,7 +77,7 @@ def depth_spread(depths: Float[np.ndarray, "n h w"]) -> float | None:
 def share_in(silhouette: Bool[np.ndarray, "h w"], invalid: Bool[np.ndarray, "h w"], detects: bool) -> float | None:
     """Share of the silhouette that is invalid [-]; without one NOTHING_SEEN, or None where nobody looks for regions.
 
-    detects: whether the run's planner looks for reflective regions.
+    detects: whether the run's planner looks for reflective regions, and recovers them.
     """
     if not silhouette.any():
         return NOTHING_SEEN if detects else None
@@ -100,7 +101,7 @@ def observed_in(acquisitions: Sequence[Acquisition], parameters: Parameters, sto
     """Of a run's acquisitions, one at least. stop: the rule that ended it, None while it lasts."""
     first = acquisitions[0]
     steps = [RecoveryStep(a.kind == RECOVERY, a.activates, a.gamma) for a in acquisitions]
-    detects = first.detection is not None
+    detects = first.detection is not None and not isinstance(first.detection, RobustDetection)
     share = _share_of(first.burst, first.model.ellipsoids, parameters, detects)
     return _observed(steps, detects and _is_end(stop), share, depth_spread(first.burst.depths))
 
@@ -109,7 +110,7 @@ def observed_of_stored(stored: StoredRun) -> Observed:
     """Of a finished run's folder; InputError for files that cannot be read."""
     rows = stored.rows
     steps = [RecoveryStep(row["kind"] == RECOVERY, bool(row["recovery_poses"]), row["gamma"]) for row in rows]
-    detects = rows[0]["regions"] is not None
+    detects = rows[0]["regions"] is not None and PLANNERS[stored.run["config"]["planner"]].build().recovery is not None
     view, depths = stored.view(0), stored.depths(0)
     share = share_in(view.silhouette, view.invalid, detects)
     ended = _is_end(stored.run["summary"].get("stop"))
