@@ -79,7 +79,7 @@ class ObjectHull:
 def object_hull(grid: EvidenceMap, parameters: Parameters, settings: RobustSettings) -> ObjectHull | None:
     """The hull of the object's surely occupied voxels and of their shadow on the table; None before there is any."""
     above = above_table(grid, parameters)
-    for sure in (lambda: grid.log_odds > settings.sure_log_odds, lambda: np.any(grid.normals, axis=-1)):
+    for sure in (lambda: grid.log_odds > settings.sure_log_odds, lambda: grid.confirmed):
         solid = large_components(sure() & above, parameters.min_component_voxels, parameters.min_component_share)
         measured = grid.centres(solid)
         shadow = measured.copy()
