@@ -82,7 +82,8 @@ class Polarisers(BaseModel):
     film: FilmName = "nir"
     """One for the near infrared; sheet, the cheap one that does next to nothing at 850 nm; or ideal."""
     laser_degree: float = Field(default=0.0, ge=0.0, le=1.0)
-    """Degree of polarisation of the laser before its film [-]; 0: the emitters' axes are mixed evenly (choice)."""
+    """Degree of polarisation of the laser before its film [-]; 0: the emitters' axes are mixed evenly (choice).
+    It counts where a film stands somewhere."""
     laser_deg: Turn = 0.0
     """Axis of its polarised part [deg]; without meaning where that is 0."""
 
