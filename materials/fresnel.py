@@ -1,11 +1,11 @@
-"""Fresnel reflectance of bare metals and dielectrics in air, for unpolarised light.
+"""Fresnel reflectance of bare metals and dielectrics in air, of unpolarised and of polarised light.
 
 Source: M. Born, E. Wolf, Principles of Optics, 7th ed., sections 1.5 (dielectric) and 14.2 (metal). The real-valued
 form of the metal's reflectance is that of S. Lagarde, Memo on Fresnel equations (2013).
 """
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Complex, Float
 from numpy.polynomial.legendre import leggauss
 
 _NODES, _WEIGHTS = leggauss(32)
@@ -34,6 +34,29 @@ def conductor_reflectance_sp(
     reflectance_s = (a2_plus_b2 + cos**2 - 2.0 * a * cos) / (a2_plus_b2 + cos**2 + 2.0 * a * cos)
     first, second = cos**2 * a2_plus_b2 + sin2**2, 2.0 * a * cos * sin2
     return reflectance_s, reflectance_s * (first - second) / (first + second)
+
+
+def fresnel_amplitudes(
+    theta: Float[np.ndarray, "*s"], n: float, k: float = 0.0
+) -> tuple[Complex[np.ndarray, "*s"], Complex[np.ndarray, "*s"]]:
+    """What becomes of the field's amplitude across (s) and in (p) the plane of incidence, r_s and r_p.
+
+    Before and behind the surface p points along the light's way times s, so that r_p = -r_s along the normal
+    (Born and Wolf, eqs. 1.5.21 with a complex index). k = 0: a clear dielectric.
+    """
+    cos, squared = np.cos(theta), (n + 1j * k) ** 2
+    inside = np.sqrt(squared - np.sin(theta) ** 2)  # index times cosine behind the surface; it decays: imaginary >= 0
+    return (cos - inside) / (cos + inside), (squared * cos - inside) / (squared * cos + inside)
+
+
+def degree_of_polarisation(theta: Float[np.ndarray, "*s"], n: float, k: float = 0.0) -> Float[np.ndarray, "*s"]:
+    """(R_s - R_p) / (R_s + R_p) of what a smooth surface reflects of unpolarised light [0, 1].
+
+    It is all that a polariser before the lens can gain there: turned the best way it lets (1 + this) / 2 through,
+    turned the worst way (1 - this) / 2.
+    """
+    reflectance_s, reflectance_p = conductor_reflectance_sp(theta, n, k)
+    return (reflectance_s - reflectance_p) / (reflectance_s + reflectance_p)
 
 
 def dielectric_reflectance(theta: Float[np.ndarray, "*s"], n: float) -> Float[np.ndarray, "*s"]:

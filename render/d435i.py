@@ -144,20 +144,24 @@ class SimulatedD435i:
         return self._view[pose]
 
     def render(self, T_world_cam: RigidTransform) -> tuple[RadianceLayers, RadianceLayers]:
-        """Radiance at the left and the right imager for the reference laser power."""
-        return render_stereo(self.world, self.view(T_world_cam), self._sampling)
+        """Radiance at the left and the right imager for the reference laser power, behind their polarisers."""
+        polarisers = self.settings.imager.polarisers
+        return render_stereo(self.world, self.view(T_world_cam), self._sampling, polarisers=polarisers)
 
     def stopped_at_first_surface(
         self, T_world_cam: RigidTransform, left: RadianceLayers, right: RadianceLayers
     ) -> tuple[RadianceLayers, RadianceLayers]:
         """What was rendered from there, without mirror images and mutual light."""
-        return stop_at_first_surface(self.world, self.view(T_world_cam), self._sampling, (left, right))
+        view, polarisers = self.view(T_world_cam), self.settings.imager.polarisers
+        return stop_at_first_surface(self.world, view, self._sampling, (left, right), polarisers=polarisers)
 
     def dots_in_shadow(self, T_world_cam: RigidTransform) -> tuple[Float32[np.ndarray, "h w"], ...]:
         """What Lambertian surfaces would send to either imager if nothing hid the projector from them, beyond what they
         do send [W m^-2 sr^-1]."""
         view, n = self.view(T_world_cam), self._sampling.subpixels
-        return tuple(first.dots(n, 0).kept_from(self.world) for first in (view.left, view.right))
+        polarisers = self.settings.imager.polarisers
+        passed = np.float32(1.0 if polarisers is None else polarisers.dots_passed)
+        return tuple(passed * first.dots(n, 0).kept_from(self.world) for first in (view.left, view.right))
 
     def measure(self, T_world_cam: RigidTransform, n_frames: int) -> Measurement:
         """Render the pose once, then expose, match and decimate `n_frames` noisy pairs."""

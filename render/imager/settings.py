@@ -5,9 +5,13 @@ Electron budget that the defaults give: 150 mW over 86 x 57 deg put 0.30 W/m^2 o
 the sensor: in 8.5 ms 2,730 photons or 1,040 electrons on one 3 um pixel, about 58 DN.
 """
 
-from pydantic import BaseModel, ConfigDict, Field
+from collections.abc import Callable
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
 from render.imager.band_pass import BandPass
+from render.imager.polarisers import Polarisers
 
 WAVELENGTH = 850e-9
 """Of the projector [m] (D400 datasheet: 850 +- 10 nm)."""
@@ -82,6 +86,9 @@ class ImagerSettings(BaseModel):
     band_pass: BandPass | None = None
     """A filter before both lenses; None as in the camera, which has none (D400 datasheet). On the command line it takes
     a YAML file to put one there."""
+    polarisers: Polarisers | None = None
+    """Polarisers before lenses, projector and lamps; None as in the camera, which has none. They change the light that
+    is rendered (`render.light.polarisation`). On the command line it takes a YAML file to put them there."""
     vignetting_exponent: float = Field(default=4.0, ge=0.0)
     """Irradiance falls with cos(field angle) to this power (natural vignetting of a rectilinear lens)."""
     laser_modes: float = Field(default=10.0, ge=1.0)
@@ -93,6 +100,14 @@ class ImagerSettings(BaseModel):
     """Standard deviation of the heights of rough surfaces inside one resolved spot [um] (choice: a machined metal
     surface); with it the spectrum's width blurs speckle. How smooth ones lose theirs, `render.imager.surface_speckle`
     says."""
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_absent(self, serialize: Callable[..., dict[str, Any]]) -> dict[str, Any]:
+        """Cases of cameras without polarisers keep the names that they had before there were any."""
+        fields = serialize(self)
+        if self.polarisers is None:
+            fields.pop("polarisers", None)
+        return fields
 
     @property
     def dn_per_electron(self) -> float:

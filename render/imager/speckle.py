@@ -15,7 +15,8 @@ from render.imager.lens import MIXED_VARIANCE, mix_neighbours
 from render.imager.settings import WAVELENGTH, ImagerSettings
 
 POLARISATIONS = 2
-"""The VCSELs' polarisations are mixed and a rough surface mixes them further: two independent patterns."""
+"""The VCSELs' polarisations are mixed and a rough surface mixes them further: two independent patterns, of which a
+polariser before the imager leaves one."""
 _FWHM_PER_SIGMA = 2 * np.sqrt(2 * np.log(2))
 _NODES = 48
 
@@ -47,10 +48,11 @@ def bandwidth_degrees(linewidth: float, height: float) -> float:
 
 def degrees_of_freedom(width: int, settings: ImagerSettings, chip: Chip = OV9282) -> float:
     """Independent exponential patterns whose mean is the light on one pixel of a stream of this width."""
+    polarisers = settings.polarisers
     return (
         aperture_degrees(chip.pitch(width), settings.f_number)
         * bandwidth_degrees(settings.laser_linewidth_nm * 1e-9, settings.surface_height_um * 1e-6)
-        * POLARISATIONS
+        * (POLARISATIONS if polarisers is None else polarisers.speckle_patterns)
         * settings.laser_modes
     )
 

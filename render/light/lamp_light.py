@@ -2,17 +2,27 @@
 
 from typing import Any
 
+from render.light.polarisation import Polarisation, StokesRows
 from render.world import backend
 from render.world.mitsuba_scene import LoadedScene
 from render.world.scene_geometry import FIRST_LAMP
 
 
-def light_met(world: LoadedScene, si: Any, ray: Any, body: Any, pdf: Any, i: Any, lamps_known: Any) -> Any:
+def light_met(
+    world: LoadedScene,
+    si: Any,
+    ray: Any,
+    body: Any,
+    pdf: Any,
+    i: Any,
+    lamps_known: Any,
+    films: tuple[Polarisation, StokesRows] | None = None,
+) -> Any:
     """Radiance that a ray brings from a lamp it meets or from outside the scene.
 
     pdf: density of the ray's direction over solid angle; lamps met behind a glossy vertex are weighted by the power
     heuristic. lamps_known: they count nothing, behind a Lambertian vertex since they were connected there with full
-    weight.
+    weight. films: polarisers and the rays' rows, where there are any.
     """
     import drjit as dr
 
@@ -21,6 +31,9 @@ def light_met(world: LoadedScene, si: Any, ray: Any, body: Any, pdf: Any, i: Any
         cosine = -dr.dot(ray.d, lamp.normal)
         density = dr.square(si.t) / dr.maximum(cosine * lamp.area, 1e-9)
         weight = dr.select(i == 0, 1, dr.select(lamps_known, 0, dr.square(pdf) / (dr.square(pdf) + dr.square(density))))
+        if films is not None:
+            polarisation, rows = films
+            weight *= dr.maximum(1 + polarisation.of_lamp(k, rows.bands[1], rows.x, ray.d), 0)
         radiance += dr.select((body == FIRST_LAMP + k) & (cosine > 0), weight * lamp.radiance, 0)
     return radiance
 

@@ -65,9 +65,7 @@ class MetalLobes:
 
         above = active & (self.wi.z > 0) & (wo.z > 0)
         half = dr.normalize(self.wi + wo)
-        u, v = half.x / self.alpha[0], half.y / self.alpha[1]
-        facets = dr.rcp(dr.pi * self.alpha[0] * self.alpha[1] * dr.square(u * u + v * v + half.z * half.z))
-        visible = facets * self.shadowing / (4 * self.wi.z)
+        visible = _visible_facets(self.wi, half, self.alpha, self.shadowing)
         lobe = visible * _shadowing(wo, self.alpha) * (1 - self.oxide)
         cosine = dr.inv_pi * wo.z
         further = None
@@ -107,6 +105,22 @@ class MetalLobes:
         row = dr.sqrt(dr.clip(w.z, 0, 1)) * (LOSS_ROWS - 1) + self.place * LOSS_ROWS
         column = dr.atan2(dr.abs(w.y), dr.abs(w.x)) * (2 / dr.pi) * (LOSS_COLUMNS - 1)
         return self.lost.eval(mi.Point2f((column + 0.5) / LOSS_COLUMNS, (row + 0.5) / rows), active)[0]
+
+
+def facet_lobe(wi: Any, wo: Any, alpha: tuple[Any, Any]) -> Any:
+    """Value times cosine [1/sr] of GGX facets that reflect all light, between local directions above the surface."""
+    import drjit as dr
+
+    return _visible_facets(wi, dr.normalize(wi + wo), alpha, _shadowing(wi, alpha)) * _shadowing(wo, alpha)
+
+
+def _visible_facets(wi: Any, half: Any, alpha: tuple[Any, Any], shadowing: Any) -> Any:
+    """Density of the directions that the facets seen from `wi` mirror it to [1/sr]."""
+    import drjit as dr
+
+    u, v = half.x / alpha[0], half.y / alpha[1]
+    facets = dr.rcp(dr.pi * alpha[0] * alpha[1] * dr.square(u * u + v * v + half.z * half.z))
+    return facets * shadowing / (4 * wi.z)
 
 
 def _shadowing(w: Any, alpha: tuple[Any, Any]) -> Any:

@@ -22,7 +22,8 @@ from typing import Any
 import numpy as np
 
 from render.light.lamp_light import chosen_lamp, light_met
-from render.light.projector import ProjectorLight, fall_off
+from render.light.polarisation import Polarisation
+from render.light.projector import ProjectorLight, dots_footprint, fall_off
 from render.light.sampling import DIMENSIONS_PIXEL, DIMENSIONS_VERTEX, SampleSet, Sampling
 from render.light.scatter import Scattered, scatter
 from render.light.seen import SeenLight
@@ -32,9 +33,6 @@ from render.world.radiosity import Closing
 from render.world.reflectances import NEEDLE
 from render.world.scene_geometry import FIRST_LAMP
 
-FOOTPRINT_SIGMA = 0.5
-"""Blur of the dots behind a glossy vertex, in units of the distance between samples (choice: the usual width of a
-Gaussian reconstruction filter)."""
 BEHIND_DIFFUSE = 1
 """Vertices that a path from a glossy surface has behind its first Lambertian one before radiosity closes it. Choice: as
 mirrored light then comes from three surfaces one after another, as that of a pixel that sees a Lambertian one does."""
@@ -78,6 +76,8 @@ class _Path:
     """The last Lambertian vertex was where photons are counted, so that caustics there are known."""
     spread: Any
     """Solid angle between the samples of the lobes so far [sr]."""
+    rows: Any = ()
+    """`StokesRows`: what the next vertex's light counts by its polarisation; empty where that is left out."""
 
 
 def trace_paths(
@@ -92,6 +92,7 @@ def trace_paths(
     first_vertex: int = 0,
     seen: SeenLight | None = None,
     closing: Closing | None = None,
+    films: Polarisation | None = None,
 ) -> PathLight:
     """Radiance along `ray` from the projector and from the lamps.
 
@@ -100,7 +101,7 @@ def trace_paths(
     (the caller connected them) and dots are looked up with the footprint of a cosine lobe's sample.
     seen: what is known already of the light on Lambertian surfaces, the dots' own light left out. A path that meets
     such a place takes it from there, and ends if all of it is known. closing: what paths that end at
-    `Sampling.max_depth` would have brought from there on; None = nothing.
+    `Sampling.max_depth` would have brought from there on; None = nothing. films: polarisers, if light is polarised.
     """
     mi = backend.mitsuba()
     import drjit as dr
@@ -108,7 +109,7 @@ def trace_paths(
     n = dr.width(pixel)
     if world.reflectances.has_others:
         _ = world.reflectances.bsdfs
-    tracer = _Tracer(world, light, pixel, sample, samples, sampling, seen, closing)
+    tracer = _Tracer(world, light, pixel, sample, samples, sampling, seen, closing, films)
     yes, behind_lambertian = dr.full(mi.Bool, True, n), dr.full(mi.Bool, first_vertex > 0, n)
     start = _Path(
         ray,
@@ -122,6 +123,7 @@ def trace_paths(
         diffused=mi.Bool(behind_lambertian),
         photons_found=mi.Bool(behind_lambertian),
         spread=dr.full(mi.Float, np.pi / samples.n if first_vertex else 0, n),
+        rows=() if films is None else films.forgotten(ray.d) if first_vertex else films.through_film(ray.d),
     )
     (end,) = dr.while_loop((start,), lambda path: path.active, lambda path: (tracer.next_vertex(path),))
     return end.light
@@ -159,6 +161,7 @@ class _Tracer:
     sampling: Sampling
     seen: SeenLight | None
     closing: Closing | None
+    films: Polarisation | None
 
     def next_vertex(self, path: _Path) -> _Path:
         """Shoot the paths' rays; connect where they arrive to the lights; draw how they go on."""
@@ -186,6 +189,9 @@ class _Tracer:
             here.connected,
             going_on,
         )
+        rows = path.rows
+        if self.films is not None:
+            lobes, rows = self.films.polarised(rows, here.si, here.body, towards, [link[1] for link in links], lobes)
         from_projector = path.beta[0] * self._projector_light(here, path, lobes.to_projector, towards, distance2)
         from_lamps = path.beta[1] * self._lamp_light(here, links, lobes.to_lamps, u[5], i)
         met = path.light
@@ -193,9 +199,9 @@ class _Tracer:
         met.lamps += from_lamps
         met.projector_stopped += dr.select(i == 0, from_projector, 0)
         met.lamps_stopped += dr.select(i == 0, from_lamps + here.stopped, 0)
-        return self._continued(path, here, lobes, going_on)
+        return self._continued(path, here, lobes, rows, going_on)
 
-    def _continued(self, path: _Path, here: _Vertex, lobes: Scattered, going_on: Any) -> _Path:
+    def _continued(self, path: _Path, here: _Vertex, lobes: Scattered, rows: Any, going_on: Any) -> _Path:
         """The paths with the rays that were drawn; what those that end here leave out is added to their light."""
         mi = backend.mitsuba()
         import drjit as dr
@@ -218,7 +224,18 @@ class _Tracer:
         photons_found = dr.select(here.glossy, path.photons_found, here.photons_count)
         lamps_known = ~here.glossy | ~here.connected
         return _Path(
-            onwards, met, beta, active, path.vertex + 1, lobes.pdf, left, lamps_known, diffused, photons_found, spread
+            onwards,
+            met,
+            beta,
+            active,
+            path.vertex + 1,
+            lobes.pdf,
+            left,
+            lamps_known,
+            diffused,
+            photons_found,
+            spread,
+            rows,
         )
 
     @property
@@ -234,7 +251,8 @@ class _Tracer:
         i, met, surfaces = path.vertex, path.light, self.world.reflectances
         si = self.world.scene.ray_intersect(path.ray, mi.RayFlags.All, coherent=i == 0, active=path.active)
         body = self.world.body(si)
-        arriving = light_met(self.world, si, path.ray, body, path.pdf, i, path.lamps_known)
+        films = self.films and (self.films, path.rows)
+        arriving = light_met(self.world, si, path.ray, body, path.pdf, i, path.lamps_known, films)
         met.lamps += dr.select(path.active, path.beta[1] * arriving, 0)
         # A path that stopped at vertex 0 has seen in it the lamps that its ray meets next.
         met.lamps_stopped = dr.select(i <= 1, met.lamps, met.lamps_stopped)
@@ -265,7 +283,7 @@ class _Tracer:
 
         footprint = mi.Float(0)
         if self.sampling.filtered:
-            footprint = _footprint(here.si, path.ray, towards, distance2, path.spread)
+            footprint = dots_footprint(here.si, path.ray, towards, distance2, path.spread)
         s, cos_axis = self.light.white_wall_radiance(-towards, footprint, here.connected)
         lit = here.connected & (f_cos > 0) & (s > 0)
         ray = here.si.spawn_ray_to(self.light.position)
@@ -280,13 +298,3 @@ class _Tracer:
         lit = here.connected & ~here.known & (arriving > 0)
         lit &= ~self.world.scene.ray_test(here.si.spawn_ray_to(place), coherent=i == 0, active=lit)
         return dr.select(lit, arriving, 0)
-
-
-def _footprint(si: Any, ray: Any, towards: Any, distance2: Any, spread: Any) -> Any:
-    """Blur of the dots for a path whose samples lie `spread` [sr] apart, in the plane at 1 m before the projector."""
-    import drjit as dr
-
-    cos_here = dr.maximum(dr.abs(dr.dot(si.n, towards)), 1e-3)
-    cos_path = dr.maximum(dr.abs(dr.dot(si.n, ray.d)), 1e-2)
-    area = spread * dr.square(si.t) / cos_path
-    return dr.select(si.is_valid(), FOOTPRINT_SIGMA * dr.sqrt(area * cos_here / distance2), 0)

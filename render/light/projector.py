@@ -8,6 +8,10 @@ from scipy.spatial.transform import RigidTransform
 from render.light.pattern import BLUR_LEVELS, FIELD_MARGIN, DotPattern
 from render.world import backend
 
+FOOTPRINT_SIGMA = 0.5
+"""Blur of the dots behind a glossy vertex, in units of the distance between samples (choice: the usual width of a
+Gaussian reconstruction filter)."""
+
 
 @dataclass(frozen=True, eq=False)
 class ProjectorLight:
@@ -98,6 +102,16 @@ def fall_off(cos_axis: Any, distance2: Any) -> Any:
     import drjit as dr
 
     return dr.maximum(cos_axis**3, 1e-6) * distance2
+
+
+def dots_footprint(si: Any, ray: Any, towards: Any, distance2: Any, spread: Any) -> Any:
+    """Blur of the dots for a path whose samples lie `spread` [sr] apart, in the plane at 1 m before the projector."""
+    import drjit as dr
+
+    cos_here = dr.maximum(dr.abs(dr.dot(si.n, towards)), 1e-3)
+    cos_path = dr.maximum(dr.abs(dr.dot(si.n, ray.d)), 1e-2)
+    area = spread * dr.square(si.t) / cos_path
+    return dr.select(si.is_valid(), FOOTPRINT_SIGMA * dr.sqrt(area * cos_here / distance2), 0)
 
 
 def _blur_level(blur: Any) -> Any:

@@ -13,10 +13,12 @@ from jaxtyping import Bool, Float32, Int
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
+from render.imager.polarisers import Polarisers
 from render.light.caustics import Photons, caustics, from_lamps, from_projector
 from render.light.edges import reflected
 from render.light.first_surface import FirstSurface, StereoView
 from render.light.paths import trace_paths
+from render.light.polarisation import Polarisation
 from render.light.projector import ProjectorLight
 from render.light.sampling import SampleSet, Sampling, sample_means
 from render.light.seen import SeenLight
@@ -76,20 +78,22 @@ def render_layers(
     T_world_imager: RigidTransform,
     sampling: Sampling,
     seed: int = 0,
+    polarisers: Polarisers | None = None,
 ) -> RadianceLayers:
-    """Render both layers as an ideal imager with box-shaped pixels sees them; one seed, one image."""
+    """Render both layers as an ideal imager with box-shaped pixels sees them, behind its polarisers; one seed, one
+    image."""
     first = FirstSurface(world, light, intrinsics, T_world_imager)
-    return _Renderer.at(world, first, sampling, seed).render(first)[0]
+    return _Renderer.at(world, first, sampling, seed, polarisers).render(first)[0]
 
 
 def render_stereo(
-    world: LoadedScene, view: StereoView, sampling: Sampling, seed: int = 0
+    world: LoadedScene, view: StereoView, sampling: Sampling, seed: int = 0, polarisers: Polarisers | None = None
 ) -> tuple[RadianceLayers, RadianceLayers]:
-    """Both imagers' layers.
+    """Both imagers' layers, behind polarisers if there are any.
 
     view: of this scene, or of another one of the same geometry.
     """
-    renderer = _Renderer.at(world, view.left, sampling, seed)
+    renderer = _Renderer.at(world, view.left, sampling, seed, polarisers)
     left, seen = renderer.render(view.left)
     right, _ = renderer.render(view.right, seen)
     return left, right
@@ -101,6 +105,7 @@ def stop_at_first_surface(
     sampling: Sampling,
     rendered: tuple[RadianceLayers, RadianceLayers],
     seed: int = 0,
+    polarisers: Polarisers | None = None,
 ) -> tuple[RadianceLayers, RadianceLayers]:
     """Both imagers' layers without mirror images and mutual light: with what surfaces get straight from projector,
     lamps and surroundings alone.
@@ -108,7 +113,7 @@ def stop_at_first_surface(
     rendered: by `render_stereo` with the same arguments, which is the caller's word; its glossy paths are used again.
     ValueError for layers that carry none.
     """
-    direct = _Renderer.at(world, view.left, replace(sampling, max_depth=1), seed)
+    direct = _Renderer.at(world, view.left, replace(sampling, max_depth=1), seed, polarisers)
     images, seen = [], None
     for first, layers in zip((view.left, view.right), rendered, strict=True):
         if layers.stopped is None:
@@ -130,15 +135,27 @@ class _Renderer:
     """What paths that end at `Sampling.max_depth` leave out; nothing where only direct light is wanted."""
     photons: tuple[Photons | None, Photons | None]
     """Of the projector's and of the lamps' light."""
+    films: Polarisation | None
+    """Polarisers, which look the same way from both imagers."""
 
     @classmethod
-    def at(cls, world: LoadedScene, first: FirstSurface, sampling: Sampling, seed: int) -> "_Renderer":
+    def at(
+        cls,
+        world: LoadedScene,
+        first: FirstSurface,
+        sampling: Sampling,
+        seed: int,
+        polarisers: Polarisers | None = None,
+    ) -> "_Renderer":
         """first: of either imager."""
+        films = None
+        if polarisers is not None and polarisers.any_film:
+            films = Polarisation.of(polarisers, world, first.light, first.T_world_imager)
         further, view = sampling.max_depth > 1, first.projector_view
         closing = world.radiosity.closing(view.seen_by_patches) if sampling.closing and further else None
         most = sampling.photons if further else 0
         photons = from_projector(world, view, most, seed), from_lamps(world, most // LAMP_SHARE, seed)
-        return cls(world, sampling, seed, closing, photons)
+        return cls(world, sampling, seed, closing, photons, films)
 
     def render(self, first: FirstSurface, other: SeenLight | None = None) -> tuple[RadianceLayers, SeenLight | None]:
         """One imager's layers, and the smooth light that it sees. other: that of another imager."""
@@ -168,11 +185,14 @@ class _Renderer:
         dots = first.dots(sampling.subpixels, self.seed)
         from_projector, glossy = dots.on(world)
         thrown = [caustics(photons, first, blur) for photons, blur in zip(self.photons, CAUSTIC_BLUR_PX, strict=True)]
-        smooth = smooth_light(world, first, sampling, self.seed, np.stack(thrown), self.closing, other)
+        smooth = smooth_light(world, first, sampling, self.seed, np.stack(thrown), self.closing, other, self.films)
         light = np.stack([smooth.projector, smooth.lamps + smooth.ambient])
         albedo = np.stack([lookup.numpy() for lookup in world.reflectances.albedo])
         layers = reflected(light, albedo, first.surface.body, dots.bodies)
-        return layers + np.stack([from_projector, dots.lamps_seen]), glossy, smooth
+        layers = layers + np.stack([from_projector, dots.lamps_seen])
+        if self.films is not None:
+            layers *= np.array(self.films.passed, np.float32)[:, None, None]
+        return layers, glossy, smooth
 
     def _whole_paths(
         self, first: FirstSurface, smooth: SeenLight | None, pixels: Int[np.ndarray, "p"], start: int, end: int
@@ -198,8 +218,13 @@ class _Renderer:
             v = mi.Float(row) + samples.uniform(sample, pixel, 1) - 0.5
             ray = first.imager.ray(u, v)
             light = trace_paths(
-                self.world, first.light, ray, pixel, sample, samples, sampling, seen=smooth, closing=self.closing
+                *(self.world, first.light, ray, pixel, sample, samples, sampling),
+                seen=smooth,
+                closing=self.closing,
+                films=self.films,
             )
             values = [light.projector, light.lamps, light.projector_stopped, light.lamps_stopped]
-            moments[:, place : place + step] = sample_means([*values, dr.square(light.projector + light.lamps)], n)
+            if self.films is not None:
+                values = [value * share for value, share in zip(values, 2 * self.films.passed, strict=True)]
+            moments[:, place : place + step] = sample_means([*values, dr.square(values[0] + values[1])], n)
         return moments

@@ -13,6 +13,7 @@ from jaxtyping import Float32
 
 from render.light.first_surface import FirstSurface
 from render.light.paths import trace_paths
+from render.light.polarisation import Polarisation
 from render.light.projector import ProjectorLight
 from render.light.sampling import SampleSet, Sampling, sample_means
 from render.light.seen import SeenLight, SeenSurface
@@ -38,11 +39,13 @@ def smooth_light(
     caustics: Float32[np.ndarray, "2 h w"],
     closing: Closing | None,
     other: SeenLight | None = None,
+    films: Polarisation | None = None,
 ) -> SeenLight:
     """Compute it for all that an imager sees.
 
     caustics: of the projector's and of the lamps' light on what it sees, irradiance over pi [W m^-2 sr^-1]. closing:
     what the paths leave out. other: of another imager at the same moment, from which is taken what that one sees.
+    films: polarisers, as in `trace_paths`.
     """
     lamps = light_of_lamps(world, first, sampling, seed, other)
     by_others = np.zeros((2, *first.shape), np.float32)
@@ -53,7 +56,7 @@ def smooth_light(
         def gathered(points: SurfaceMap, stride: int) -> Float32[np.ndarray, "2 p"]:
             widest = stride == sampling.indirect_strides_px[0]
             n = sampling.indirect_directions if widest else sampling.fine_directions
-            return _indirect_light(world, first.light, points, n, sampling, seed, seen, closing)
+            return _indirect_light(world, first.light, points, n, sampling, seed, seen, closing, films)
 
         known = None if other is None else (other.where, other.by_others)
         beside = np.stack([first.dots_unhidden, lamps])
@@ -133,6 +136,7 @@ def _indirect_light(
     seed: int,
     seen: SeenLight,
     closing: Closing | None,
+    films: Polarisation | None,
 ) -> Float32[np.ndarray, "2 p"]:
     """Irradiance over pi from the surroundings or by way of other surfaces, by n directions; both layers."""
     mi = backend.mitsuba()
@@ -153,6 +157,7 @@ def _indirect_light(
         first_vertex=1,
         seen=seen,
         closing=closing,
+        films=films,
     )
     return sample_means([paths.projector, paths.lamps], n)
 

@@ -8,7 +8,9 @@ from hypothesis import strategies as st
 from materials.fresnel import (
     conductor_reflectance,
     conductor_reflectance_sp,
+    degree_of_polarisation,
     dielectric_reflectance,
+    fresnel_amplitudes,
     hemispherical_reflectance,
     normal_reflectance,
 )
@@ -52,6 +54,29 @@ def test_metal_agrees_with_complex_snell(n, k, theta):
     reflectance_s, reflectance_p = conductor_reflectance_sp(np.array([theta]), n, k)
     assert reflectance_s == pytest.approx(expected_s, abs=1e-9)
     assert reflectance_p == pytest.approx(expected_p, abs=1e-9)
+
+
+@given(n=st.floats(0.03, 6.0), k=st.floats(0.0, 12.0), theta=st.floats(0.0, 1.57))
+def test_amplitudes_are_those_of_complex_snell(n, k, theta):
+    """Their squares are the reflectances, the degree of polarisation is what these differ by, and at 45 deg r_p = r_s^2
+    for every medium (R. M. A. Azzam, J. Opt. Soc. Am. 69, 1007 (1979)), with p as it is counted here."""
+    angle = np.array([theta])
+    expected_s, expected_p = snell_reflectance(angle, n, k)
+    r_s, r_p = fresnel_amplitudes(angle, n, k)
+    assert np.abs(r_s) ** 2 == pytest.approx(expected_s, abs=1e-9)
+    assert np.abs(r_p) ** 2 == pytest.approx(expected_p, abs=1e-9)
+    if expected_s[0] > 1e-3:
+        degree = (expected_s - expected_p) / (expected_s + expected_p)
+        assert degree_of_polarisation(angle, n, k) == pytest.approx(degree, abs=1e-6)
+    at_45_s, at_45_p = fresnel_amplitudes(np.array([np.pi / 4]), n, k)
+    assert at_45_p == pytest.approx(at_45_s**2, abs=1e-9)
+
+
+def test_s_and_p_are_alike_along_the_normal():
+    """There is no plane of incidence: the field turns round in both, and p's axis turns with the light's way."""
+    r_s, r_p = fresnel_amplitudes(np.zeros(1), 2.0, 3.0)
+    assert r_p == pytest.approx(-r_s, abs=EXACT)
+    assert degree_of_polarisation(np.zeros(1), 2.0, 3.0) == pytest.approx(0.0, abs=EXACT)
 
 
 @given(n=st.floats(1.01, 3.0), theta=st.floats(0.0, np.pi / 2))

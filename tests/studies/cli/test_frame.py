@@ -178,11 +178,12 @@ def replayed_without_rendering(
 
 def test_a_filter_comes_from_a_file(tmp_path: Path):
     """A part of the settings that may be none has no flags and makes no subcommands; from a file it reaches the camera,
-    with the lamps off and on."""
+    with the lamps off and on. So do polarisers."""
     file = tmp_path / "filtered.yaml"
-    file.write_text("sensor: {imager: {band_pass: {width_nm: 160}}}\n")
+    file.write_text("sensor: {imager: {band_pass: {width_nm: 160}, polarisers: {imagers_deg: 90, projector_deg: 0}}}\n")
     command = [*ARGS, "--config", str(file), "--out", str(tmp_path / "out")]
     for lamps in (["--lamps", "off"], []):
         assert main([*command, *lamps]) == 0
         meta = json.loads((tmp_path / "out" / "latest" / "meta.json").read_text())
         assert meta["config"]["sensor"]["imager"]["band_pass"]["width_nm"] == 160
+        assert meta["config"]["sensor"]["imager"]["polarisers"]["imagers_deg"] == 90
