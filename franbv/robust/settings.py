@@ -107,8 +107,9 @@ class RobustSettings(BaseModel):
     turns_deg: tuple[float, ...] = (0.0, 90.0)
     """Turns of the camera about its axis, beside the mount's, that are offered [deg]. Choice: a baseline along and
     across whatever mirrors; 180 would see the same."""
-    least_gain: Share = 0.005
-    """Share of the surface that a view must promise, or it is hardly worth it [-]. Choice: half a percent."""
+    least_gain: Share = 0.01
+    """Share of the surface that a view must promise, or it is hardly worth it [-]. Choice: one percent, of which late
+    views keep a tenth."""
     sensing_s: Positive = 3.0
     """Time of a view besides the motion [s]. Choice: a motion planner's second or two, settling, auto-exposure, and
     half a second of frames."""

@@ -30,7 +30,7 @@ def run_paragraph(run: Mapping[str, Any], timings: Mapping[str, Any]) -> str:
         f"The cloud lies {millimetre_words(s['accuracy_mm'])} off the true surface on average, "
         f"{millimetre_words(s['accuracy_median_mm'])} in the median; "
         f"its F-score is {number(s['f_score'], '.2f')} at 5 mm.",
-        _recovery_sentence(s),
+        _recovery_sentence(s, name),
         f"It ended because {STOP_WORDS.get(s['stop'], s['stop'])}, after {timings['wall_s']:.0f} s.",
     ]
     return " ".join(sentence for sentence in sentences if sentence)
@@ -76,7 +76,12 @@ def _brief(value: Any) -> str:
     return "nothing" if value is None else str(value)
 
 
-def _recovery_sentence(summary: Mapping[str, Any]) -> str:
+def _recovery_sentence(summary: Mapping[str, Any], name: str) -> str:
+    planner = PLANNERS[name].build() if name in PLANNERS else None
+    if planner is not None and planner.recovery is None:
+        if planner.detect is None:
+            return "This planner looks for no reflective regions."
+        return "It starts no recoveries: views of reflective regions are chosen as all others are."
     if not summary["recovery_activations"]:
         return "No reflective region started a recovery."
     change = 100 * summary["recovery_contribution"]

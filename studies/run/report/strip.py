@@ -49,7 +49,8 @@ def strip(view: StoredView, infrared: UInt8[np.ndarray, "h w"] | None) -> Strip:
 
 
 def depth_range(view: StoredView) -> tuple[float, float]:
-    """Nearest and farthest depth of the object's ellipsoids [m]; of all pixels while there are none.
+    """Nearest and farthest depth of the object's ellipsoids [m]; without any from half to twice the median depth of the
+    silhouette, and of all pixels while there is none.
 
     The pixels themselves would not do: false depth and the room behind the object would use up the colours.
     """
@@ -57,6 +58,10 @@ def depth_range(view: StoredView) -> tuple[float, float]:
     if len(centres):
         reach = np.sqrt(shapes[:, 2, 2])
         return float(max((centres[:, 2] - reach).min(), 0.0)), float((centres[:, 2] + reach).max())
+    inside = view.depth[(view.depth > 0) & view.silhouette]
+    if len(inside):
+        middle = float(np.median(inside))
+        return middle / 2, 2 * middle
     valid = view.depth[view.depth > 0]
     return (float(valid.min()), float(valid.max())) if len(valid) else (0.0, 1.0)
 
