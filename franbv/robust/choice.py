@@ -88,15 +88,23 @@ def gain_per_second(
     settings: RobustSettings,
 ) -> Float[np.ndarray, "n"]:
     """Area that each view is expected to confirm, per second of motion and sensing [m^2/s]."""
+    views = RigidTransform.concatenate(list(poses))
+    gains = expected_gains(model, left, intrinsics, views, settings)
+    return gains.sum(axis=1) / _seconds(with_scans(model.voxel_map), views, settings)
+
+
+def expected_gains(
+    model: Model, left: Hypothesis, intrinsics: Intrinsics, views: RigidTransform, settings: RobustSettings
+) -> Float[np.ndarray, "p n"]:
+    """Area of each element of what is left that each of several views is expected to cover [m^2]."""
     grid = with_scans(model.voxel_map)
     tries = np.cumsum(left.looks, axis=2)  # what failed face on fails from the side as well
-    views = RigidTransform.concatenate(list(poses))
     seen, cosine, distance, _ = visible(grid, views, intrinsics, left.places, left.normals, settings)
     turns, ranges = quarter_turns(views)[:, None], incidence_range(cosine)
     tried = tries[np.arange(len(left.places)), turns, ranges]
     chance = left.chances[turns, ranges] * settings.element_trials / (settings.element_trials + tried)
     covered = 1.0 - np.exp(-np.pi * settings.resolution**2 * pixel_density(intrinsics, cosine, distance))
-    return (left.areas * left.left * chance * covered * seen).sum(axis=1) / _seconds(grid, views, settings)
+    return left.areas * left.left * chance * covered * seen
 
 
 def _seconds(grid: EvidenceMap, poses: RigidTransform, settings: RobustSettings) -> Float[np.ndarray, "n"]:
