@@ -76,7 +76,7 @@ class EvidenceMap(VoxelMap):
     @cached_property
     def surface(self) -> SurfaceGrid:
         """The confirmed surface, for rays."""
-        return SurfaceGrid.of(self.normals * self.confirmed[..., None])
+        return SurfaceGrid.of(self.normals, self.confirmed)
 
 
 def integrate_robustly(
@@ -104,7 +104,7 @@ def integrate_robustly(
         log_odds = occupancy(evidence, settings)
         normals = surface_normals(log_odds > 0, evidence.hits > 0)
         confirmed = (evidence.hits >= settings.confirmed_hits) & (log_odds > 0)
-        surface = SurfaceGrid.of(normals * confirmed[..., None])
+        surface = SurfaceGrid.of(normals, confirmed)
         surfaces, cosines = _surfaces(voxel_map, scans, surface, settings)
     table = parameters.table_height + parameters.table_clearance
     successes, failures = _trials(scans, surfaces, cosines, tolerance, table)

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Float32, Int
+from jaxtyping import Bool, Float, Float32, Int
 from numba import njit
 
 from franbv.voxel_map import extent
@@ -24,12 +24,15 @@ class SurfaceGrid:
     """Cell of the whole grid that this part begins with."""
     normals: Float32[np.ndarray, "x y z 3"]
     """Unit normals of the voxels that hold surface, 0 elsewhere."""
+    solid: Bool[np.ndarray, "n"]
+    """The voxels that hold surface, in one row."""
 
     @classmethod
-    def of(cls, normals: Float32[np.ndarray, "x y z 3"]) -> "SurfaceGrid":
-        """Normals of the whole grid."""
-        near = extent(np.any(normals, axis=-1))
-        return cls(np.array([part.start for part in near]), np.ascontiguousarray(normals[near]))
+    def of(cls, normals: Float32[np.ndarray, "x y z 3"], solid: Bool[np.ndarray, "x y z"]) -> "SurfaceGrid":
+        """Of the whole grid: normals, and the voxels that hold surface."""
+        near = extent(solid)
+        first, inside = np.array([part.start for part in near]), np.ascontiguousarray(solid[near])
+        return cls(first, normals[near] * inside[..., None], inside.reshape(-1))
 
 
 def first_surfaces(
@@ -42,8 +45,8 @@ def first_surfaces(
     """Length at which each ray first meets surface that it does not graze [m], inf where there is none up to `reach`,
     and the cosine there. Origins in cells of the whole grid."""
     lengths, cosines = np.full(len(directions), np.inf), np.zeros(len(directions))
-    shape, normals = surface.normals.shape[:3], surface.normals.reshape(-1, 3)
-    _first_surfaces(shape, origins - surface.first, directions, normals, least_cosine, reach, lengths, cosines)
+    shape, normals, solid = surface.normals.shape[:3], surface.normals.reshape(-1, 3), surface.solid
+    _first_surfaces(shape, origins - surface.first, directions, solid, normals, least_cosine, reach, lengths, cosines)
     return lengths, cosines
 
 
@@ -74,19 +77,21 @@ def cells_of(points: Float[np.ndarray, "n 3"], first: Int[np.ndarray, "3"], voxe
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def _first_surfaces(shape, origins, directions, normals, least_cosine, reach, lengths, cosines):
+def _first_surfaces(shape, origins, directions, solid, normals, least_cosine, reach, lengths, cosines):
     for ray in range(len(directions)):
         direction = directions[ray]
         size = math.sqrt(direction[0] ** 2 + direction[1] ** 2 + direction[2] ** 2)
+        spacing = abs(1.0 / direction[0]), abs(1.0 / direction[1]), abs(1.0 / direction[2])
         state = _begin(shape, origins[ray], direction)
         while state[0] >= 0 and state[1] < reach[ray]:
-            normal = normals[state[0]]
-            along = -(normal[0] * direction[0] + normal[1] * direction[1] + normal[2] * direction[2]) / size
-            if abs(along) > least_cosine:
-                lengths[ray] = (state[1] + min(state[5], state[6], state[7])) / 2
-                cosines[ray] = abs(along)
-                break
-            state = _next(shape, state, direction)
+            if solid[state[0]]:
+                normal = normals[state[0]]
+                along = -(normal[0] * direction[0] + normal[1] * direction[1] + normal[2] * direction[2]) / size
+                if abs(along) > least_cosine:
+                    lengths[ray] = (state[1] + min(state[5], state[6], state[7])) / 2
+                    cosines[ray] = abs(along)
+                    break
+            state = _next(shape, state, direction, spacing)
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
@@ -101,6 +106,7 @@ def _scan(shape, origin, directions, ends, crossed, trust, hit, crossing):
             end = _cell_at(shape, origin, direction, ends[ray])
             if end >= 0:
                 hit[end] = max(hit[end], trust[ray])
+        spacing = abs(1.0 / direction[0]), abs(1.0 / direction[1]), abs(1.0 / direction[2])
         state = _begin(shape, origin, direction)
         last = -1  # one behind, since the voxel before the end is not crossed
         while state[0] >= 0 and state[1] < crossed[ray]:
@@ -109,7 +115,7 @@ def _scan(shape, origin, directions, ends, crossed, trust, hit, crossing):
             if last >= 0:
                 crossing[last] = max(crossing[last], trust[ray])
             last = state[0]
-            state = _next(shape, state, direction)
+            state = _next(shape, state, direction, spacing)
         if state[0] < 0 and last >= 0 and not 0.0 < ends[ray] < min(state[5], state[6], state[7]):  # it goes on outside
             crossing[last] = max(crossing[last], trust[ray])
 
@@ -152,14 +158,15 @@ def _axis(length, origin, direction, begin):
 
 
 @njit(nogil=True, error_model="numpy")
-def _next(shape, state, direction):
+def _next(shape, state, direction, spacing):
+    """spacing: lengths between planes of the three axes."""
     _, _, i, j, k, tx, ty, tz = state
     if tx <= ty and tx <= tz:
-        i, at, tx = i + (1 if direction[0] > 0.0 else -1), tx, tx + abs(1.0 / direction[0])
+        i, at, tx = i + (1 if direction[0] > 0.0 else -1), tx, tx + spacing[0]
     elif ty <= tz:
-        j, at, ty = j + (1 if direction[1] > 0.0 else -1), ty, ty + abs(1.0 / direction[1])
+        j, at, ty = j + (1 if direction[1] > 0.0 else -1), ty, ty + spacing[1]
     else:
-        k, at, tz = k + (1 if direction[2] > 0.0 else -1), tz, tz + abs(1.0 / direction[2])
+        k, at, tz = k + (1 if direction[2] > 0.0 else -1), tz, tz + spacing[2]
     if i < 0 or j < 0 or k < 0 or i >= shape[0] or j >= shape[1] or k >= shape[2]:
         return -1, at, i, j, k, tx, ty, tz
     return (i * shape[1] + j) * shape[2] + k, at, i, j, k, tx, ty, tz

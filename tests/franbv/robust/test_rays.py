@@ -67,7 +67,7 @@ def test_first_surface_by_small_steps(seed: int):
     origin, directions, _ = rays_of(pose, depth)
     reach = np.full(len(directions), 0.6)
     found, cosine = first_surfaces(
-        SurfaceGrid.of(normals), np.tile(origin, (len(directions), 1)), directions, 0.4, reach
+        SurfaceGrid.of(normals, solid), np.tile(origin, (len(directions), 1)), directions, 0.4, reach
     )
     steps = np.arange(0.0, 0.6, SIZE / 100)
     met = 0
