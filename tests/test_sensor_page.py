@@ -9,6 +9,7 @@ from tests.conftest import ROOT
 
 DOCS = ROOT / "docs"
 TEXT = (DOCS / "sensor.md").read_text()
+COMMANDS = re.compile(r"python -m docs\.figures\.(\w+)")
 SCRIPTS = sorted(path.stem for path in (DOCS / "figures").glob("*.py"))
 
 
@@ -19,7 +20,12 @@ def test_its_figures_exist_and_are_small():
     for name in shown:
         assert 0 < (DOCS / name).stat().st_size < 150_000, name
     drawn = {f"figures/{path.name}" for path in (DOCS / "figures").glob("*.png")}
-    assert drawn - shown <= {"figures/demo.png", "figures/objects.png"}  # the README's, the comparison's
+    others = {
+        "figures/demo.png",
+        "figures/objects.png",
+        "figures/robust.png",
+    }  # the README's, the comparison's, fra-robust's
+    assert drawn - shown <= others
 
 
 def test_files_and_commands_that_it_names_exist():
@@ -28,7 +34,9 @@ def test_files_and_commands_that_it_names_exist():
     assert named
     assert [name for name in named if not (ROOT / name).exists()] == []
     others = {"drawing", "demo", "objects", "delays", "repetitions", "monitored"}  # named on other pages
-    assert set(re.findall(r"python -m docs\.figures\.(\w+)", TEXT)) == set(SCRIPTS) - others
+    of_robust = {name for name in SCRIPTS if name.startswith("robust")} | {"unseen_parts"}
+    assert set(COMMANDS.findall(TEXT)) == set(SCRIPTS) - others - of_robust
+    assert set(COMMANDS.findall((DOCS / "fra_robust.md").read_text())) == of_robust
 
 
 @pytest.mark.parametrize("script", SCRIPTS)
