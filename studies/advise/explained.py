@@ -144,12 +144,11 @@ def _only(view: ExplainedView, body: int, facing: int) -> ExplainedView:
 
 def _face(views: Sequence[ExplainedView], body: int, facing: int) -> tuple[float, float]:
     """Surface [m^2], and the share of it with right depth."""
-    masks = [_on_face(view, body, facing) for view in views]
-    surface = sum(float(view.area[on].sum(dtype=float)) for view, on in zip(views, masks, strict=True))
-    right = sum(
-        float(view.area[on & (view.outcome == RIGHT_DEPTH)].sum(dtype=float))
-        for view, on in zip(views, masks, strict=True)
-    )
+    surface = right = 0.0
+    for view in views:
+        on = _on_face(view, body, facing)
+        surface += float(view.area[on].sum(dtype=float))
+        right += float(view.area[on & (view.outcome == RIGHT_DEPTH)].sum(dtype=float))
     return surface, right / surface if surface else 0.0
 
 

@@ -147,7 +147,9 @@ def _without(name: str) -> tuple[str, ...]:
 # in the order in which time is spent on it: what tells most for its price comes first.
 REMEDY_FACTORS: tuple[RemedyFactor, ...] = (
     RemedyFactor("preset", LightNeed.STORED, "nothing", tuple(_preset(name) for name in D400_PRESETS)),
-    RemedyFactor("RSM removal threshold", LightNeed.STORED, "nothing", tuple(_rsm(least) for least in (0, 31, 94, 136))),
+    RemedyFactor(
+        "RSM removal threshold", LightNeed.STORED, "nothing", tuple(_rsm(least) for least in (0, 31, 94, 136))
+    ),
     RemedyFactor(
         "laser", LightNeed.STORED, "nothing",
         tuple(_laser(p) for p in (0.0, 30.0, 60.0, 90.0, 150.0, 240.0, 360.0)),

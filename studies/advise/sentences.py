@@ -56,11 +56,8 @@ def ranking_lines(advice: Advice) -> list[str]:
         for one in shown
     ]
     hurt = sum(one.verdict == "hurts" for one in advice.remedies)
-    few = (
-        ""
-        if advice.poses >= POSES_FOR_INTERVALS
-        else f" Fewer than {POSES_FOR_INTERVALS} poses: intervals are too narrow."
-    )
+    enough = advice.poses >= POSES_FOR_INTERVALS
+    few = "" if enough else f" Fewer than {POSES_FOR_INTERVALS} poses: intervals are too narrow."
     level = sum(one.verdict == "level" for one in advice.remedies)
     rest = f"Of {counted(len(advice.remedies), 'remedy', 'remedies')} {level} are level with the camera as it is set, "
     return [*lines, f"{rest}{hurt} hurt. {counted(advice.settings, 'setting')} compared at {advice.poses} poses.{few}"]

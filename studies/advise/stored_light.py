@@ -18,11 +18,14 @@ from studies.advise.poses import stood
 from studies.advise.setup import LightKey
 from studies.base.case_folder import case_digest
 from studies.base.config import Config
+from studies.base.reading import reading
 from studies.run.scene_settings import SubjectSettings
 from studies.store.views import read_arrays, write_arrays
 
 LIGHT = "light"
 """Sub-folder of the radiance."""
+KEPT_LIGHTS = 4
+"""Renderings at hand (choice: two looks of two settings; 6 MB each at 640x360)."""
 GRAZING_DEG = 80.0
 """Beyond this incidence a pixel's surface counts as if it were at it [deg] (choice: a pixel there is as much surface as
 six pixels face on, and the truth at its centre does not tell the rest)."""
@@ -80,6 +83,8 @@ class LightStore:
     seconds: list[float] = field(default_factory=list)
     """What renderings took, at the first profile's size or any other [s]."""
     _cameras: dict[str, SimulatedD435i] = field(default_factory=dict)
+    _stands: dict[tuple[str, str], RigidTransform] = field(default_factory=dict)
+    _read: dict[Path, PoseLight] = field(default_factory=dict)
 
     def camera(self, key: LightKey) -> SimulatedD435i:
         """Before the light's scene; loaded once."""
@@ -92,8 +97,11 @@ class LightStore:
         return self._cameras[name]
 
     def stands(self, key: LightKey, index: int) -> RigidTransform:
-        """T_world_cam of a pose."""
-        return stood(self.poses[index], self.scene, self.roll_deg, key.stand)
+        """T_world_cam of a pose; found once."""
+        name = self.poses[index], key.stand.model_dump_json()
+        if name not in self._stands:
+            self._stands[name] = stood(self.poses[index], self.scene, self.roll_deg, key.stand)
+        return self._stands[name]
 
     def path(self, key: LightKey, index: int) -> Path:
         """File of one rendering."""
@@ -105,8 +113,10 @@ class LightStore:
         return sum(not self.path(key, index).exists() for index in range(n_poses))
 
     def light(self, key: LightKey, index: int) -> PoseLight:
-        """Read, or rendered and written."""
+        """Read, or rendered and written; the last ones are kept at hand."""
         path, pose = self.path(key, index), self.stands(key, index)
+        if path in self._read:
+            return self._read[path]
         if not path.exists():
             began = time.perf_counter()
             camera = self.camera(key)
@@ -114,7 +124,11 @@ class LightStore:
             seen = seen_part(truth, camera.world.source, camera.rig.intrinsics)
             write_arrays(path, {**_arrays(layers), **vars(seen)})
             self.seconds.append(time.perf_counter() - began)
-        return _pose_light(pose, read_arrays(path))
+        while len(self._read) >= KEPT_LIGHTS:
+            self._read.pop(next(iter(self._read)))
+        with reading(path, "remove it and give the command again"):
+            self._read[path] = _pose_light(pose, read_arrays(path))
+        return self._read[path]
 
 
 def seen_part(truth: Truth, scene: Scene, intrinsics: Intrinsics) -> SeenPart:
