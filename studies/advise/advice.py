@@ -6,7 +6,7 @@ from typing import Any
 
 from studies.advise.factors import LightNeed
 from studies.advise.paired_shares import SurfaceShares
-from studies.advise.search import Tried, best_advised, by_right_share
+from studies.advise.search import Tried, best_advised, by_right_share, makes_it_up
 
 WORTH_IT = 0.02
 """Gain of right depth below which a remedy is not advised, told apart or not (choice: two points; other noise moves a
@@ -39,7 +39,7 @@ class RemedyScore:
     gain_lo: float
     gain_hi: float
     verdict: str
-    """`helps`, `hurts`, or `level` with the camera as it is set."""
+    """`helps`; `trades`: adds right depth, and more false depth; `hurts`; or `level` with the camera as it is set."""
     rank: int
     """Those of one rank are not told apart from the first of them."""
     cost: str
@@ -143,12 +143,18 @@ def remedy_score(tried: Tried, base: Tried, rank: int) -> RemedyScore:
         gain=gain,
         gain_lo=gain_lo,
         gain_hi=gain_hi,
-        verdict="helps" if gain_lo > 0 else "hurts" if gain_hi < 0 else "level",
+        verdict=_verdict(gain_lo, gain_hi, makes_it_up(shares, base.shares)),
         rank=rank,
         cost=", ".join(dict.fromkeys(costs)) or "nothing",
         light=TIME_NAMES[max(needs, key=list(LightNeed).index)] if needs else "stored",
         is_ceiling=any(remedy.factor.is_ceiling for remedy in remedies),
     )
+
+
+def _verdict(gain_lo: float, gain_hi: float, made_up: bool) -> str:
+    if gain_lo > 0:
+        return "trades" if made_up else "helps"
+    return "hurts" if gain_hi < 0 else "level"
 
 
 def joined_words(words: Sequence[str]) -> str:

@@ -12,6 +12,8 @@ from studies.advise.setup import Setup
 
 VIEWER_PRESET, SENSOR_FILE = "preset.json", "sensor.yaml"
 """Files of an advice."""
+HALF_TURN_DEG = 180.0
+"""Rolls go from minus that to that [deg]."""
 
 
 def viewer_preset(setup: Setup) -> str:
@@ -36,14 +38,16 @@ def viewer_preset(setup: Setup) -> str:
 def sensor_file(setup: Setup, title: str, words: str) -> str:
     """YAML that `--config` of our commands takes: what differs from the defaults; and what no setting of the sensor
     says, as comments."""
-    said = setup.sensor.model_dump(mode="json", exclude_defaults=True)
-    said["preset"] = setup.sensor.preset
+    sensor = setup.sensor
+    said = sensor.model_dump(mode="json", exclude_defaults=True) | {"preset": sensor.preset}
+    said["roll_deg"] = (sensor.mount_roll_deg + setup.stand.roll_deg + HALF_TURN_DEG) % 360 - HALF_TURN_DEG
+    lamps = {} if setup.lamp_level else {"lamps": "off"}
     beside = setup.model_dump(mode="json", exclude_defaults=True, exclude={"sensor"})
     comments = [
         f"# {title}: {words}.",
         *(f"# Not the sensor's: {name}: {json.dumps(value)}" for name, value in beside.items()),
     ]
-    return "\n".join(comments) + "\n" + yaml.safe_dump({"sensor": said}, sort_keys=False)
+    return "\n".join(comments) + "\n" + yaml.safe_dump({**lamps, "sensor": said}, sort_keys=False)
 
 
 def _plain(value: Any) -> Any:

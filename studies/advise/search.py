@@ -142,19 +142,30 @@ NEED_LAMPS = ("lamps", "placing of lamps")
 
 
 def best_of_factors(singles: Sequence[Tried], base: Tried) -> list[Tried]:
-    """The best level of each factor, those that have more right depth than the base, the best first."""
+    """The best level of each factor, those that have more right depth than the base, the best first; none that adds
+    more false depth than right depth."""
     best: dict[str, Tried] = {}
     for tried in sorted(singles, key=by_right_share):
         factor = tried.remedies[0].factor
-        if not factor.is_ceiling and tried.shares.right_share > base.shares.right_share:
+        better = tried.shares.right_share > base.shares.right_share
+        if better and not factor.is_ceiling and not makes_it_up(tried.shares, base.shares):
             best.setdefault(factor.name, tried)
     return list(best.values())
 
 
 def best_advised(tried: Sequence[Tried]) -> Tried:
-    """Of those that leave the part as it is, the base among them, the one with most right depth."""
+    """Of those that leave the part as it is, the one with most right depth; none that adds more false depth than right
+    depth. tried: the camera as it is set first."""
+    base = tried[0].shares
     advised = [one for one in tried if not any(remedy.factor.is_ceiling for remedy in one.remedies)]
-    return min(advised, key=by_right_share)
+    return min((one for one in advised if not makes_it_up(one.shares, base)), key=by_right_share)
+
+
+def makes_it_up(shares: SurfaceShares, base: SurfaceShares) -> bool:
+    """Whether more false depth than right depth comes of it, as of hole filling on a mirror. Choice: who uses depth can
+    tell a hole, and cannot tell false depth."""
+    more_right, more_false = shares.right_share - base.right_share, shares.false_share - base.false_share
+    return more_false > max(more_right, 0.0)
 
 
 def by_right_share(tried: Tried) -> tuple[float, float, int]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from studies.advise.advice import Advice, RemedyScore
+from studies.advise.advice import WORTH_IT, Advice, RemedyScore
 from studies.base.numbers_as_text import counted
 
 MOST_SHOWN = 8
@@ -20,7 +20,8 @@ def advice_sentence(advice: Advice, lost_to: Mapping[str, float]) -> str:
     why = f" What is missing: {loss_words(lost_to)}." if lost_to else ""
     if advice.kind == "remedy":
         would = f"; spray would give {_whole(spray.right_share)} %" if spray else ""
-        text = f"{best.words}: right depth on {with_interval(best)} instead of {_whole(base.right_share)} %{would}."
+        right = f"right depth on {with_interval(best)} instead of {_whole(base.right_share)} %"
+        text = f"{best.words}: {right}{_false_words(base, best)}{would}."
         return text[0].upper() + text[1:]
     if advice.kind == "only spray" and spray:
         none = "no other remedy is told apart from the camera as it is set, or adds two points"
@@ -34,6 +35,13 @@ def advice_sentence(advice: Advice, lost_to: Mapping[str, float]) -> str:
             f"{_whole(spray.right_share)} %, which is no more or not told apart."
         )
     return f"No remedy that was tried helps: right depth on {with_interval(base)} as the camera is set.{why}"
+
+
+def _false_words(base: RemedyScore, best: RemedyScore) -> str:
+    """What becomes of false depth, where that changes."""
+    if abs(best.false_share - base.false_share) < WORTH_IT:
+        return ""
+    return f", false depth on {_whole(best.false_share)} % instead of {_whole(base.false_share)} %"
 
 
 def with_interval(score: RemedyScore) -> str:
@@ -59,7 +67,11 @@ def ranking_lines(advice: Advice) -> list[str]:
     enough = advice.poses >= POSES_FOR_INTERVALS
     few = "" if enough else f" Fewer than {POSES_FOR_INTERVALS} poses: intervals are too narrow."
     level = sum(one.verdict == "level" for one in advice.remedies)
-    rest = f"Of {counted(len(advice.remedies), 'remedy', 'remedies')} {level} are level with the camera as it is set, "
+    trade = sum(one.verdict == "trades" for one in advice.remedies)
+    rest = (
+        f"Of {counted(len(advice.remedies), 'remedy', 'remedies')} {level} are level with the camera as it is set, "
+        f"{trade} add more false depth than right depth, "
+    )
     return [*lines, f"{rest}{hurt} hurt. {counted(advice.settings, 'setting')} compared at {advice.poses} poses.{few}"]
 
 
