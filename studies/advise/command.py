@@ -21,7 +21,7 @@ from studies.advise.setup import Setup
 from studies.advise.stored_advice import ADVICE, StoredAdvice, read_stored_advice, stored_wall_s, write_stored_advice
 from studies.advise.stored_light import LIGHT, LightStore
 from studies.base.atomic_file import write_atomically
-from studies.base.console import say, say_json, warn
+from studies.base.console import progress_bar, say, say_json, warn
 from studies.base.flags import parse_wider_command
 from studies.base.inputs import check_not_overwritten
 from studies.base.output_errors import prepare_output
@@ -69,8 +69,13 @@ def advised(
     ends = time.monotonic() + total_s - clock.elapsed_s()
     scene = subject.scene
     base = base_setup(settings)
-    search = Search(base, scores, ends, total_s, bool(scene.lamps) or scene.ambient_radiance > 0)
-    tried = search.run()
+    has_lamps = bool(scene.lamps) or scene.ambient_radiance > 0
+    with progress_bar() as progress:
+        task = progress.add_task("rendering", total=None)
+        search = Search(
+            base, scores, ends, total_s, has_lamps, lambda step: progress.update(task, description=step, advance=1)
+        )
+        tried = search.run()
     advice, best = advice_from(tried, search.n_poses, len(seeds))
     words = _explained(scores, base, best.setup, min(EXPLAINED_POSES, search.n_poses))
     stored = StoredAdvice(

@@ -15,4 +15,5 @@ class AdviseCommand(CaseCommand[AdviseSettings]):
     """Output folder. What is rendered and counted in it is not done again, so that the same command goes on where it
     was stopped."""
     minutes: float = 5.0
-    """Time that all commands on this folder may take together; the first remedies are tried whatever it is."""
+    """Time that all commands on this folder may take together; spray, and what needs no new light, are
+    tried at two poses whatever it is."""

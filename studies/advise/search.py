@@ -1,14 +1,17 @@
 """In which order remedies are tried within the time that the user gives: one at a time, then together.
 
-First the camera as it is set and all that is re-scored from its light, pose by pose; then remedies that need new light,
-in the table's order; then a sequential search over what helped: pairs, then what the best pair gains by a third.
-Where time ends a step, what was measured at all poses counts and nothing else, so that all stay paired.
+First the camera as it is set and all that is re-scored from its light, pose by pose; then spray, without which nobody
+knows what is possible, whatever the time; remedies that need new light, in the table's order; then a sequential search
+over what helped: pairs, then what the best pair gains by a third. Where time ends a step, what was measured at all
+poses counts and nothing else, so that all stay paired.
 """
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
+
+import numpy as np
 
 from studies.advise.factors import LightNeed, Remedy, go_together, remedies_for, set_up_with
 from studies.advise.paired_shares import SurfaceShares
@@ -51,6 +54,8 @@ class Search:
     total_s: float
     """All of the time [s]."""
     has_lamps: bool = True
+    on_step: Callable[[str], None] = lambda step: None
+    """Called with what is measured next, for people who watch."""
     n_poses: int = 0
     """Poses that count."""
     untried: list[Remedy] = field(default_factory=list)
@@ -63,7 +68,8 @@ class Search:
         stored = [remedy for remedy in remedies if remedy.factor.need is not LightNeed.NEW]
         self._pose_by_pose([(), *((remedy,) for remedy in stored)])
         for remedy in remedies:
-            if remedy.factor.need is LightNeed.NEW and not self._try((remedy,), NEW_UNTIL):
+            until = np.inf if remedy.factor.is_ceiling else NEW_UNTIL
+            if remedy.factor.need is LightNeed.NEW and not self._try((remedy,), until):
                 self.untried.append(remedy)
         for combination in self._combinations():
             if not self._in_time(SEARCH_UNTIL):
@@ -83,7 +89,8 @@ class Search:
             known = all(self.scores.path(set_up_with(self.base, c), index).exists() for c in combinations)
             if index >= LEAST_POSES and not known and not self._in_time(STORED_UNTIL):
                 break
-            for remedies in combinations:
+            for number, remedies in enumerate(combinations, start=1):
+                self.on_step(f"pose {index + 1} of {poses}, setting {number} of {len(combinations)}")
                 self.scores.counts(set_up_with(self.base, remedies), index)
             self.n_poses = index + 1
         for remedies in combinations:
@@ -94,6 +101,7 @@ class Search:
         setup = set_up_with(self.base, remedies)
         if not self.scores.has(setup, self.n_poses) and not self._in_time(until, self._seconds(setup)):
             return False
+        self.on_step(" and ".join(remedy.title for remedy in remedies))
         self._keep(remedies, setup)
         return True
 
@@ -113,7 +121,7 @@ class Search:
 
     def _in_time(self, until: float, seconds: float = 0.0) -> bool:
         """Whether a step that takes so long ends before this share of the time."""
-        return time.monotonic() + seconds <= self.ends - (1 - until) * self.total_s
+        return until == np.inf or time.monotonic() + seconds <= self.ends - (1 - until) * self.total_s
 
     def _combinations(self) -> Iterator[tuple[Remedy, ...]]:
         """Pairs of the best level of each factor that helped, by what they gained; the best pair with a third; and the

@@ -53,9 +53,9 @@ def test_poses_of_a_smaller_number_are_the_first_of_a_larger_one():
 
 
 def test_where_no_pose_is_free_the_distance_is_named():
-    """5 cm from the middle of a part of 20 cm is inside of it."""
-    settings = AdviseSettings(part="A", poses=3, distance=0.06)
-    with pytest.raises(InputError, match=r"free at 0\.06 m"):
+    """Five metres from the part is outside the workshop, whatever the side."""
+    settings = AdviseSettings(part="A", poses=3, distance=5.0)
+    with pytest.raises(InputError, match="0 are free at 5 m"):
         pose_texts(settings, build_subject(settings).scene)
 
 

@@ -34,7 +34,7 @@ def test_areas_of_pixels_sum_to_the_surface_that_they_look_at():
         incidence = np.arccos(-(rays @ normal) / np.linalg.norm(rays, axis=-1)).astype(np.float32)
         edges = np.array([-32.0, 32.0]) / k.fx
         # z = 0.5 / (1 - x tan), s along the slope = x z / cos; its height at that place is 2 y_max z.
-        fine = np.linspace(*edges, 200_001)
+        fine = np.linspace(edges[0], edges[1], 200_001)
         z = 0.5 / (1 - fine * np.tan(tilt))
         along = fine * z / np.cos(tilt)
         exact = np.trapezoid(2 * 24 / k.fy * z, along)
