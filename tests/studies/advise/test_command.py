@@ -71,6 +71,8 @@ def test_twenty_rescored_settings_are_what_a_new_rendering_gives(tmp_path: Path)
     stored = [one for one in remedies_for(base) if one.factor.need is LightNeed.STORED][::2]
     assert len(stored) >= 20
     light = store.light(base.light, 0)
+    with pytest.raises(ValueError, match="other light"):
+        store.camera(base.light).set_to(base.sensor.model_copy(update={"profile": "640x360"}), 0)
     for remedy in stored:
         setup = remedy.level.change(base)
         anew = SimulatedD435i(scene, setup.sensor, seed=3, known=store.camera(base.light).world)
