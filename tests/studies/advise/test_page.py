@@ -32,7 +32,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, StoredAdvice]:
     lost = losses(views)
     stored = StoredAdvice(
         "Part <X>", advice, advice_sentence(advice, lost), ("profile: 1280x720",), ("0,40,0.3", "90,40,0.3"), lost,
-        lost, rows, tuple(picture_rows(views, views)), {"part": "X", "sensor": {"profile": "640x360"}}, {"python": "3"}, 12.0,
+        lost, rows, tuple(picture_rows(views, views)), {"part": "X", "sensor": {"profile": "640x360"}},
+        {"python": "3"}, 12.0,
     )  # fmt: skip
     write_stored_advice(out, stored)
     return rebuild(out), stored
