@@ -61,6 +61,8 @@ class Advice:
     """The camera as it is set."""
     best: RemedyScore
     """Of all that leave the part as it is; the base where nothing is worth it."""
+    ceiling: RemedyScore | None
+    """The best of the sprayed part; None where it was not tried."""
     kind: str
     """`nothing needed`, `remedy`, `only spray` or `nothing helps`."""
     settings: int
@@ -75,7 +77,7 @@ def advice_from(tried: Sequence[Tried], poses: int, seeds: int) -> tuple[Advice,
     singles = ranked([one for one in tried if len(one.remedies) == 1], base)
     several = ranked([one for one in tried if len(one.remedies) > 1], base)
     found = best_advised(tried)
-    ceiling = next((one for one in tried if any(remedy.factor.is_ceiling for remedy in one.remedies)), None)
+    ceiling = min((one for one in tried if one.is_ceiling), key=by_right_share, default=None)
     kind = verdict_kind(base.shares, found.shares, ceiling.shares if ceiling else None)
     advised = found if kind == "remedy" else base
     answer = Advice(
@@ -83,6 +85,7 @@ def advice_from(tried: Sequence[Tried], poses: int, seeds: int) -> tuple[Advice,
         tuple(several),
         remedy_score(base, base, 0),
         remedy_score(advised, base, 0),
+        remedy_score(ceiling, base, 0) if ceiling else None,
         kind,
         len(tried),
         poses,
@@ -147,7 +150,7 @@ def remedy_score(tried: Tried, base: Tried, rank: int) -> RemedyScore:
         rank=rank,
         cost=", ".join(dict.fromkeys(costs)) or "nothing",
         light=TIME_NAMES[max(needs, key=list(LightNeed).index)] if needs else "stored",
-        is_ceiling=any(remedy.factor.is_ceiling for remedy in remedies),
+        is_ceiling=tried.is_ceiling,
     )
 
 
@@ -173,6 +176,7 @@ def advice_json(advice: Advice) -> dict[str, Any]:
         "combinations": [asdict(one) for one in advice.combinations],
         "best": {"levels": advice.best.level, **asdict(advice.best)},
         "base": asdict(advice.base),
+        "ceiling": asdict(advice.ceiling) if advice.ceiling else None,
     }
 
 
@@ -184,6 +188,7 @@ def read_advice(stored: dict[str, Any]) -> Advice:
         tuple(RemedyScore(**one) for one in stored["combinations"]),
         RemedyScore(**stored["base"]),
         RemedyScore(**best),
+        RemedyScore(**stored["ceiling"]) if stored["ceiling"] else None,
         stored["kind"],
         stored["settings"],
         stored["poses"],

@@ -42,6 +42,11 @@ class Tried:
     setup: Setup
     shares: SurfaceShares
 
+    @property
+    def is_ceiling(self) -> bool:
+        """Whether the part itself is changed."""
+        return any(remedy.factor.is_ceiling for remedy in self.remedies)
+
 
 @dataclass(eq=False)
 class Search:
@@ -124,8 +129,12 @@ class Search:
         return until == np.inf or time.monotonic() + seconds <= self.ends - (1 - until) * self.total_s
 
     def _combinations(self) -> Iterator[tuple[Remedy, ...]]:
-        """Pairs of the best level of each factor that helped, by what they gained; the best pair with a third; and the
-        best of all with other levels of its remedies that need no new light."""
+        """Spray under other exposures and lamps, since a white part may drown where a dark one did not; pairs of the
+        best level of each factor that helped, by what they gained; the best pair with a third; and the best of all with
+        other levels of its remedies that need no new light."""
+        for ceiling in (tried.remedies[0] for tried in self.singles if tried.is_ceiling):
+            others = (tried.remedies[0] for tried in self.singles if tried.remedies[0].factor.name in WITH_SPRAY)
+            yield from ((ceiling, other) for other in others)
         best = [tried.remedies[0] for tried in best_of_factors(self.singles, self._base)]
         yield from (pair for pair in combinations(best[:COMBINED], 2) if go_together(pair))
         top = self._best()
@@ -145,6 +154,8 @@ class Search:
         return best_advised(list(self._found.values())).remedies
 
 
+WITH_SPRAY = ("set-point", "HDR pair", "lamps")
+"""Factors that are tried on the sprayed part as well."""
 NEED_LAMPS = ("lamps", "placing of lamps")
 """Factors that are nothing where no lamp is."""
 
@@ -165,7 +176,7 @@ def best_advised(tried: Sequence[Tried]) -> Tried:
     """Of those that leave the part as it is, the one with most right depth; none that adds more false depth than right
     depth. tried: the camera as it is set first."""
     base = tried[0].shares
-    advised = [one for one in tried if not any(remedy.factor.is_ceiling for remedy in one.remedies)]
+    advised = [one for one in tried if not one.is_ceiling]
     return min((one for one in advised if not makes_it_up(one.shares, base)), key=by_right_share)
 
 

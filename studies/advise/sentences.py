@@ -15,11 +15,10 @@ POSES_FOR_INTERVALS = 6
 def advice_sentence(advice: Advice, lost_to: Mapping[str, float]) -> str:
     """What to do, in a sentence or two. lost_to: what the camera as it is set loses surface to, as shares of the part's
     surface by cause; may be empty."""
-    base, best = advice.base, advice.best
-    spray = next((one for one in advice.remedies if one.is_ceiling), None)
+    base, best, spray = advice.base, advice.best, advice.ceiling
     why = f" What is missing: {loss_words(lost_to)}." if lost_to else ""
     if advice.kind == "remedy":
-        would = f"; spray would give {_whole(spray.right_share)} %" if spray else ""
+        would = f"; {_spray_words(spray)} would give {_whole(spray.right_share)} %" if spray else ""
         right = f"right depth on {with_interval(best)} instead of {_whole(base.right_share)} %"
         text = f"{best.words}: {right}{_false_words(base, best)}{would}."
         return text[0].upper() + text[1:]
@@ -27,14 +26,20 @@ def advice_sentence(advice: Advice, lost_to: Mapping[str, float]) -> str:
         none = "no other remedy is told apart from the camera as it is set, or adds two points"
         return (
             f"Nothing but spray helps: right depth on {with_interval(base)} as the camera is set, "
-            f"{with_interval(spray)} when sprayed; {none}.{why}"
+            f"{with_interval(spray)} with {_spray_words(spray)}; {none}.{why}"
         )
     if advice.kind == "nothing needed" and spray:
         return (
-            f"Nothing is needed: right depth on {with_interval(base)} as the camera is set, and spray would give "
-            f"{_whole(spray.right_share)} %, which is no more or not told apart."
+            f"Nothing is needed: right depth on {with_interval(base)} as the camera is set, and "
+            f"{_spray_words(spray)} would give {_whole(spray.right_share)} %, which is no more or not told apart."
         )
     return f"No remedy that was tried helps: right depth on {with_interval(base)} as the camera is set.{why}"
+
+
+def _spray_words(spray: RemedyScore) -> str:
+    """What was done beside spraying, too."""
+    beside = [f"{name} {level}" for name, level in zip(spray.name.split(" + "), spray.level.split(" + "), strict=True)]
+    return " and ".join(["spray", *beside[1:]])
 
 
 def _false_words(base: RemedyScore, best: RemedyScore) -> str:

@@ -8,12 +8,17 @@ from studies.advise.advice import Advice, RemedyScore
 from studies.advise.sentences import with_interval
 from studies.drawing import svg
 
+MOST_COMBINATIONS = 5
+"""Of the best ones that are drawn (choice: the table has all)."""
 _LEFT, _RIGHT, _TOP, _STEP = 430, 1060, 42, 19
 
 
 def ranking_figure(advice: Advice) -> Markup:
     """One line a remedy; the band is the interval of the camera as it is set."""
-    rows: Sequence[RemedyScore] = [*advice.combinations[:5], *advice.remedies]
+    rows: Sequence[RemedyScore] = [
+        *[one for one in advice.combinations if not one.is_ceiling][:MOST_COMBINATIONS],
+        *advice.remedies,
+    ]
     x = svg.Scale(0, 100, _LEFT, _RIGHT)
     bottom = _TOP + _STEP * len(rows) + 6
     base = advice.base

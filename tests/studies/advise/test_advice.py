@@ -38,6 +38,15 @@ def test_spray_is_no_advice_even_where_nothing_else_helps():
     assert "40 % false depth reflection, 6 % reflection dark" in text
 
 
+def test_what_spray_would_give_is_said_with_the_exposure_that_it_needs():
+    """A white part that drowns under the set-point of a dark one."""
+    spray, darker = remedy("spray", "matte"), remedy("set-point", "32 DN")
+    singles = [tried(remedy("laser", "60 mW"), right=better(0.1)), tried(spray, right=better(-0.2))]
+    advice, best = advice_from([tried(right=BASE), *singles, tried(spray, darker, right=SPRAYED)], 6, 1)
+    assert advice_sentence(advice, {}).endswith("spray and set-point 32 DN would give 97 %.")
+    assert [one.factor.name for one in best.remedies] == ["laser"]
+
+
 def test_nothing_is_needed_where_spray_would_add_nothing():
     """A matte part."""
     advice, _ = advice_from([tried(right=SPRAYED), tried(remedy("spray", "matte"), right=SPRAYED)], 6, 1)

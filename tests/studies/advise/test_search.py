@@ -77,6 +77,7 @@ def test_with_time_enough_all_is_tried_and_the_three_that_add_up_are_found():
     assert names(best) == {"laser", "preset", "roll"}
     assert abs(best.shares.right_share - 0.79) < 1e-9
     assert max(len(t.remedies) for t in tried) == 3
+    assert any(names(t) == {"spray", "lamps"} for t in tried)
 
 
 def test_what_makes_depth_up_is_neither_advised_nor_combined():
