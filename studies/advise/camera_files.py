@@ -42,7 +42,8 @@ def sensor_file(setup: Setup, title: str, words: str) -> str:
     said = sensor.model_dump(mode="json", exclude_defaults=True) | {"preset": sensor.preset}
     said["roll_deg"] = (sensor.mount_roll_deg + setup.stand.roll_deg + HALF_TURN_DEG) % 360 - HALF_TURN_DEG
     lamps = {} if setup.lamp_level else {"lamps": "off"}
-    beside = setup.model_dump(mode="json", exclude_defaults=True, exclude={"sensor"})
+    unturned = setup.model_copy(update={"stand": setup.stand.model_copy(update={"roll_deg": 0.0})})
+    beside = unturned.model_dump(mode="json", exclude_defaults=True, exclude={"sensor"})
     comments = [
         f"# {title}: {words}.",
         *(f"# Not the sensor's: {name}: {json.dumps(value)}" for name, value in beside.items()),
