@@ -8,7 +8,7 @@ from typing import Any
 from studies.advise.advice import Advice, advice_json, read_advice
 from studies.base.atomic_file import write_atomically
 from studies.base.console import strict_json
-from studies.base.reading import reading
+from studies.base.reading import MALFORMED, reading
 
 ADVICE = "advice.json"
 """File that the folder is known by."""
@@ -59,5 +59,8 @@ def read_stored_advice(out: Path) -> StoredAdvice:
 
 
 def stored_wall_s(out: Path) -> float:
-    """What earlier commands took [s]; 0 without any."""
-    return read_stored_advice(out).wall_s if (out / ADVICE).exists() else 0.0
+    """What earlier commands took [s]; 0 without any, and where their answer cannot be read: it is written anew."""
+    try:
+        return float(json.loads((out / ADVICE).read_text(encoding="utf-8"))["wall_s"])
+    except MALFORMED:
+        return 0.0

@@ -95,7 +95,7 @@ def test_an_advice_is_whole_and_the_same_command_goes_on_from_it(tmp_path: Path,
     for name in (ADVICE, VIEWER_PRESET, SENSOR_FILE, "report.html"):
         assert (tmp_path / name).is_file()
     rendered = {path: path.stat().st_mtime_ns for path in (tmp_path / LIGHT).glob("*.npz")}
-    assert len(rendered) == 2
+    assert len(rendered) == 2 * 2  # two poses, as set and sprayed
     assert main([*command, "--minutes", "1.5"]) == 0
     second = json.loads(capsys.readouterr().out.splitlines()[-1])
     assert second["settings"] > first["settings"]

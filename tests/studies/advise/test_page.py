@@ -7,12 +7,13 @@ import cv2
 import numpy as np
 import pytest
 
+from materials.input_error import InputError
 from studies.advise.advice import advice_from
 from studies.advise.command import rebuild
 from studies.advise.explained import face_rows, losses
 from studies.advise.pictures import picture_rows
 from studies.advise.sentences import advice_sentence
-from studies.advise.stored_advice import StoredAdvice, read_stored_advice, write_stored_advice
+from studies.advise.stored_advice import ADVICE, StoredAdvice, read_stored_advice, stored_wall_s, write_stored_advice
 from tests.studies.advise.made_up import remedy, tried
 from tests.studies.advise.test_advice import BASE, SPRAYED, better
 from tests.studies.advise.test_explained import explained
@@ -44,6 +45,16 @@ def test_the_folder_keeps_what_the_page_is_made_of(made: tuple[Path, StoredAdvic
     page, stored = made
     assert read_stored_advice(page.parent).advice == stored.advice
     assert read_stored_advice(page.parent).pictures == stored.pictures
+
+
+def test_an_answer_that_cannot_be_read_is_no_hindrance_to_a_new_one(made: tuple[Path, StoredAdvice], tmp_path: Path):
+    """Its time is not known; a whole one's is."""
+    assert stored_wall_s(made[0].parent) == 12.0
+    assert stored_wall_s(tmp_path) == 0.0
+    (tmp_path / ADVICE).write_text("{")
+    assert stored_wall_s(tmp_path) == 0.0
+    with pytest.raises(InputError, match="give the command again"):
+        read_stored_advice(tmp_path)
 
 
 def test_the_page_says_what_was_found(made: tuple[Path, StoredAdvice]):
