@@ -130,16 +130,19 @@ class Search:
 
     def _combinations(self) -> Iterator[tuple[Remedy, ...]]:
         """Spray under other exposures and lamps, since a white part may drown where a dark one did not; pairs of the
-        best level of each factor that helped, by what they gained; the best pair with a third; and the best of all with
-        other levels of its remedies that need no new light."""
+        best level of each factor that helped, by what they gained; the best of these with one more, up to three; and
+        that with other levels of its remedies that need no new light."""
         for ceiling in (tried.remedies[0] for tried in self.singles if tried.is_ceiling):
             others = (tried.remedies[0] for tried in self.singles if tried.remedies[0].factor.name in WITH_SPRAY)
             yield from ((ceiling, other) for other in others)
         best = [tried.remedies[0] for tried in best_of_factors(self.singles, self._base)]
         yield from (pair for pair in combinations(best[:COMBINED], 2) if go_together(pair))
-        top = self._best()
-        if len(top) == MOST_TOGETHER - 1:
-            yield from ((*top, third) for third in best if go_together((*top, third)))
+        # What adds false depth by itself may not do so on top of what takes it away.
+        others = [tried.remedies[0] for tried in best_of_factors(self.singles, self._base, honest=False)]
+        for size in range(2, MOST_TOGETHER + 1):
+            top = self._best()
+            if len(top) == size - 1:
+                yield from ((*top, other) for other in others if go_together((*top, other)))
         top = self._best()
         for place, remedy in enumerate(top):
             if len(top) > 1 and remedy.factor.need is not LightNeed.NEW:
@@ -160,14 +163,14 @@ NEED_LAMPS = ("lamps", "placing of lamps")
 """Factors that are nothing where no lamp is."""
 
 
-def best_of_factors(singles: Sequence[Tried], base: Tried) -> list[Tried]:
-    """The best level of each factor, those that have more right depth than the base, the best first; none that adds
-    more false depth than right depth."""
+def best_of_factors(singles: Sequence[Tried], base: Tried, honest: bool = True) -> list[Tried]:
+    """The best level of each factor, those that have more right depth than the base, the best first. honest: none that
+    adds more false depth than right depth."""
     best: dict[str, Tried] = {}
     for tried in sorted(singles, key=by_right_share):
         factor = tried.remedies[0].factor
         better = tried.shares.right_share > base.shares.right_share
-        if better and not factor.is_ceiling and not makes_it_up(tried.shares, base.shares):
+        if better and not factor.is_ceiling and not (honest and makes_it_up(tried.shares, base.shares)):
             best.setdefault(factor.name, tried)
     return list(best.values())
 

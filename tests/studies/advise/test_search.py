@@ -80,11 +80,12 @@ def test_with_time_enough_all_is_tried_and_the_three_that_add_up_are_found():
     assert any(names(t) == {"spray", "lamps"} for t in tried)
 
 
-def test_what_makes_depth_up_is_neither_advised_nor_combined():
+def test_what_makes_depth_up_is_tried_on_top_of_what_helps_and_not_advised():
     """Hole filling adds 5 points of right depth and 30 of false depth."""
     tried = search(3600.0).run()
     assert any("filters" in names(t) and t.shares.right_share > 0.53 for t in tried)
-    assert not any("filters" in names(t) for t in tried if len(t.remedies) > 1)
+    assert any("filters" in names(t) for t in tried if len(t.remedies) > 1)
+    assert "filters" not in names(best_advised(tried))
 
 
 def test_without_time_the_first_poses_are_measured_and_new_light_is_named_as_untried():
