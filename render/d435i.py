@@ -85,11 +85,7 @@ class SimulatedD435i:
     ) -> None:
         """Load the scene. sampling: see `Sampling`; matcher: any `StereoMatcher` instead of the one that is named;
         known: a loaded scene whose geometry it may share."""
-        self.settings = (settings or SensorSettings()).resolved()
-        self._matcher = matcher or self.settings.stereo_matcher
-        self._search_start = self.settings.rig.disparity_shift
-        own_shift = getattr(self._matcher, "shift", 0)  # of a matcher of the caller's, which may have one
-        self.rig: Rig = replace(self.settings.rig, disparity_shift=self._search_start + own_shift)
+        self._set_to((settings or SensorSettings()).resolved(), matcher)
         self.scene = scene
         self.world = load_scene(self._seen_scene, known)
         self._seed = seed
@@ -98,6 +94,12 @@ class SimulatedD435i:
         self._seen: tuple[StereoView, Scene, tuple[SeenSurfaces, SeenSurfaces]] | None = None
         self._dots = projector_dots(self.settings.model, self.settings.dot_fwhm_px)
         self._light = ProjectorLight.at(RigidTransform.identity(), dot_pattern(self._dots), 0.0)
+
+    def _set_to(self, settings: SensorSettings, matcher: StereoMatcher | None) -> None:
+        self.settings, self._matcher = settings, matcher or settings.stereo_matcher
+        self._search_start = settings.rig.disparity_shift
+        own_shift = getattr(self._matcher, "shift", 0)  # of a matcher of the caller's, which may have one
+        self.rig: Rig = replace(settings.rig, disparity_shift=self._search_start + own_shift)
 
     @property
     def _seen_scene(self) -> Scene:
@@ -260,6 +262,17 @@ class SimulatedD435i:
             if not seen.has_geometry_of(self.world.source):
                 other._view = {}
         other._sampling = replace(self._sampling, **sampling)
+        return other
+
+    def set_to(self, settings: SensorSettings, seed: int) -> "SimulatedD435i":
+        """The same camera with other settings and other noise, before the same light: layers that either of them
+        rendered are good for both. ValueError for settings under which the light would be another."""
+        settings = settings.resolved()
+        if settings.light != self.settings.light:
+            raise ValueError("settings with another model, profile, dots or films have other light; make a new camera")
+        other = copy.copy(self)
+        other._set_to(settings, None)
+        other._seed = seed
         return other
 
     def reduced(self, z16: UInt16[np.ndarray, "n h w"]) -> UInt16[np.ndarray, "n h_d w_d"]:

@@ -78,6 +78,14 @@ class SensorSettings(BaseModel):
         return self.roll_deg or 0.0
 
     @property
+    def light(self) -> "SensorSettings":
+        """What of the settings decides which light is rendered, all else as by default: two cameras that are alike in
+        it can measure from each other's radiance."""
+        films = {"polarisers": self.imager.polarisers, "band_pass": self.imager.band_pass}
+        seen_by = {"model": self.model, "profile": self.profile, "dot_fwhm_px": self.dot_fwhm_px}
+        return SensorSettings(**seen_by, imager=ImagerSettings(**films))
+
+    @property
     def rig(self) -> Rig:
         """Imagers and projector, and the matcher's range."""
         return camera_rig(self.model, self.profile, load_preset(self.preset).shift)

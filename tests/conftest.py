@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("franbv", "render", "scenes", "materials", "studies")
 CHECKER = "beartype.beartype(conf=beartype.BeartypeConf(is_pep484_tower=True))"
 """Where a float is wanted an int will do, as for every type checker (PEP 484)."""
-UNCHECKED = ("studies.base.flags", "studies.safe_angles.flags")
+UNCHECKED = ("studies.base.flags", "studies.safe_angles.flags", "studies.advise.flags")
 """Tyro fills fields with its own mark for what is missing."""
 
 

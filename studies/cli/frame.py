@@ -19,8 +19,8 @@ from render.world.truth import Truth, looks_at_part
 from studies.base.atomic_file import write_atomically
 from studies.base.console import say, say_json, strict_json, warn
 from studies.base.flags import parse_case_command
+from studies.base.pose_text import camera_pose
 from studies.base.single_case import made_once
-from studies.cli.pose_text import camera_pose
 from studies.run.scene_settings import Subject, SubjectSettings, build_subject, on_bench, resolved
 from studies.store.cause_files import colour_map, decimated_map, legend, legend_picture
 from studies.store.images import MM, millimetres, write_exr, write_png

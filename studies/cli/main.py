@@ -22,6 +22,10 @@ COMMANDS = {
         "studies.safe_angles.command",
         "At which angles of incidence a material gives right depth: a card for each, a table for planners.",
     ),
+    "advise": (
+        "studies.advise.command",
+        "Which remedy for shiny metal helps on this part: ranked with intervals, the best combination as files.",
+    ),
     "study sensitivity": (
         "studies.sensitivity.command",
         "Which materials and angles break the depth, the detector and the recovery.",

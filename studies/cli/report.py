@@ -16,6 +16,7 @@ from studies.run.stored_sights import write_rrd
 from studies.run.viewing import view_errors
 
 STUDIES = {
+    "advice.json": "studies.advise.command",
     "angles.json": "studies.safe_angles.command",
     "comparison.json": "studies.comparison.command",
     "readings.json": "studies.readings.command",

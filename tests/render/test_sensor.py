@@ -79,3 +79,14 @@ def test_the_matcher_is_the_preset_s(tmp_path):
         assert (settings.rig.disparity_shift, settings.stereo_matcher == SgbmMatcher()) == (20, matcher == "sgbm")
     with pytest.raises(InputError, match="no such preset file"):
         SensorSettings(preset=str(tmp_path / "none.json")).resolved()
+
+
+def test_light_hangs_on_what_stands_before_the_chip_alone():
+    """Laser, exposure, matcher and coding leave the rendered light as it is; profile, model, dots and films do not."""
+    camera = SensorSettings().resolved()
+    dim = {"auto_exposure": False, "imager": {"laser_power_mw": 30.0}}
+    same = SensorSettings.model_validate({"preset": "hand", "decimation": 2, "crop": None, **dim})
+    assert same.resolved().light == camera.light
+    films = {"polarisers": {"imagers_deg": 0.0}}
+    for other in ({"profile": "848x480"}, {"model": "d415"}, {"dot_fwhm_px": 4.0}, {"imager": films}):
+        assert SensorSettings.model_validate(other).resolved().light != camera.light

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from scenes.build import part_scene
-from studies.cli.pose_text import camera_pose
+from studies.base.pose_text import camera_pose
 
 
 @pytest.mark.parametrize("text", [None, "30,40,0.5", "eye:0.3,0.2,0.4"])

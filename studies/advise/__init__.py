@@ -1,0 +1,1 @@
+"""Which of the remedies that people try on shiny metal helps on this part."""

@@ -1,0 +1,196 @@
+"""The answer: every remedy's shares, ranking, the best combination, and what to do in a sentence."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from studies.advise.factors import LightNeed
+from studies.advise.paired_shares import SurfaceShares
+from studies.advise.search import Tried, best_advised, by_right_share, makes_it_up
+
+WORTH_IT = 0.02
+"""Gain of right depth below which a remedy is not advised, told apart or not (choice: two points; other noise moves a
+view's share as much, docs/sensor.md)."""
+NEARLY_CEILING = 0.02
+"""A camera this near to what spray would give needs nothing (choice: as above)."""
+TIME_NAMES = {LightNeed.STORED: "stored", LightNeed.SCALED: "scaled", LightNeed.NEW: "new"}
+"""How `advice.json` says what light a remedy needs."""
+
+
+@dataclass(frozen=True)
+class RemedyScore:
+    """One setup in the ranking."""
+
+    name: str
+    """Of its factors."""
+    level: str
+    words: str
+    """What to do."""
+    right_share: float
+    lo: float
+    """95 % interval of the right share, over poses and seeds."""
+    hi: float
+    false_share: float
+    hole_share: float
+    error_mm: float | None
+    """Median over the surface with depth, mean over views [mm]."""
+    gain: float
+    """Right share beyond the camera as it is set."""
+    gain_lo: float
+    gain_hi: float
+    verdict: str
+    """`helps`; `trades`: adds right depth, and more false depth; `hurts`; or `level` with the camera as it is set."""
+    rank: int
+    """Those of one rank are not told apart from the first of them."""
+    cost: str
+    light: str
+    """`stored`, `scaled` or `new`."""
+    is_ceiling: bool
+    """Changes the part itself."""
+
+
+@dataclass(frozen=True)
+class Advice:
+    """All that is answered."""
+
+    remedies: tuple[RemedyScore, ...]
+    """One at a time, the best first."""
+    combinations: tuple[RemedyScore, ...]
+    """Two or three together, the best first."""
+    base: RemedyScore
+    """The camera as it is set."""
+    best: RemedyScore
+    """Of all that leave the part as it is; the base where nothing is worth it."""
+    ceiling: RemedyScore | None
+    """The best of the sprayed part; None where it was not tried."""
+    kind: str
+    """`nothing needed`, `remedy`, `only spray` or `nothing helps`."""
+    settings: int
+    """Setups that were compared."""
+    poses: int
+    seeds: int
+
+
+def advice_from(tried: Sequence[Tried], poses: int, seeds: int) -> tuple[Advice, Tried]:
+    """The answer, and the setup that is advised. tried: the camera as it is set first."""
+    base = tried[0]
+    singles = ranked([one for one in tried if len(one.remedies) == 1], base)
+    several = ranked([one for one in tried if len(one.remedies) > 1], base)
+    found = best_advised(tried)
+    ceiling = min((one for one in tried if one.is_ceiling), key=by_right_share, default=None)
+    kind = verdict_kind(base.shares, found.shares, ceiling.shares if ceiling else None)
+    advised = found if kind == "remedy" else base
+    answer = Advice(
+        tuple(singles),
+        tuple(several),
+        remedy_score(base, base, 0),
+        remedy_score(advised, base, 0),
+        remedy_score(ceiling, base, 0) if ceiling else None,
+        kind,
+        len(tried),
+        poses,
+        seeds,
+    )
+    return answer, advised
+
+
+def verdict_kind(base: SurfaceShares, best: SurfaceShares, ceiling: SurfaceShares | None) -> str:
+    """What to say: see `Advice.kind`.
+
+    Nothing is needed where spray, which no setting beats on shiny metal, would add no more than NEARLY_CEILING, or is
+    not told apart from the camera as it is set; and neither is any setting.
+    """
+    helps = _is_worth_it(best, base)
+    spray = ceiling is not None and _is_worth_it(ceiling, base)
+    if helps:
+        return "remedy"
+    if spray:
+        return "only spray"
+    return "nothing needed" if ceiling is not None else "nothing helps"
+
+
+def _is_worth_it(shares: SurfaceShares, base: SurfaceShares) -> bool:
+    gain, low, _ = shares.gain_over(base)
+    return low > 0 and gain >= WORTH_IT
+
+
+def ranked(tried: Sequence[Tried], base: Tried) -> list[RemedyScore]:
+    """The best first. A rank begins with the first that is told apart from the one that the rank before began with."""
+    order = sorted(tried, key=by_right_share)
+    scores: list[RemedyScore] = []
+    leader, rank = None, 0
+    for place, one in enumerate(order, start=1):
+        if leader is None or leader.shares.gain_over(one.shares)[1] > 0:
+            leader, rank = one, place
+        scores.append(remedy_score(one, base, rank))
+    return scores
+
+
+def remedy_score(tried: Tried, base: Tried, rank: int) -> RemedyScore:
+    """One setup held against the camera as it is set."""
+    shares, remedies = tried.shares, tried.remedies
+    gain, gain_lo, gain_hi = shares.gain_over(base.shares) if remedies else (0.0, 0.0, 0.0)
+    lo, hi = shares.interval
+    needs = [remedy.factor.need for remedy in remedies]
+    costs = [remedy.factor.cost for remedy in remedies if remedy.factor.cost != "nothing"]
+    return RemedyScore(
+        name=" + ".join(remedy.factor.name for remedy in remedies) or "as set",
+        level=" + ".join(remedy.level.name for remedy in remedies) or "as set",
+        words=joined_words([remedy.level.words for remedy in remedies]) or "leave the camera as it is set",
+        right_share=shares.right_share,
+        lo=lo,
+        hi=hi,
+        false_share=shares.false_share,
+        hole_share=shares.hole_share,
+        error_mm=shares.error_mm,
+        gain=gain,
+        gain_lo=gain_lo,
+        gain_hi=gain_hi,
+        verdict=_verdict(gain_lo, gain_hi, makes_it_up(shares, base.shares)),
+        rank=rank,
+        cost=", ".join(dict.fromkeys(costs)) or "nothing",
+        light=TIME_NAMES[max(needs, key=list(LightNeed).index)] if needs else "stored",
+        is_ceiling=tried.is_ceiling,
+    )
+
+
+def _verdict(gain_lo: float, gain_hi: float, made_up: bool) -> str:
+    if gain_lo > 0:
+        return "trades" if made_up else "helps"
+    return "hurts" if gain_hi < 0 else "level"
+
+
+def joined_words(words: Sequence[str]) -> str:
+    """`a`, `a and b`, `a, b and c`."""
+    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1]))) if words else ""
+
+
+def advice_json(advice: Advice) -> dict[str, Any]:
+    """For `--json` and `advice.json`."""
+    return {
+        "settings": advice.settings,
+        "poses": advice.poses,
+        "seeds": advice.seeds,
+        "kind": advice.kind,
+        "remedies": [asdict(one) for one in advice.remedies],
+        "combinations": [asdict(one) for one in advice.combinations],
+        "best": {"levels": advice.best.level, **asdict(advice.best)},
+        "base": asdict(advice.base),
+        "ceiling": asdict(advice.ceiling) if advice.ceiling else None,
+    }
+
+
+def read_advice(stored: dict[str, Any]) -> Advice:
+    """The answer as `advice_json` wrote it."""
+    best = {key: value for key, value in stored["best"].items() if key != "levels"}
+    return Advice(
+        tuple(RemedyScore(**one) for one in stored["remedies"]),
+        tuple(RemedyScore(**one) for one in stored["combinations"]),
+        RemedyScore(**stored["base"]),
+        RemedyScore(**best),
+        RemedyScore(**stored["ceiling"]) if stored["ceiling"] else None,
+        stored["kind"],
+        stored["settings"],
+        stored["poses"],
+        stored["seeds"],
+    )

@@ -1,0 +1,87 @@
+"""What is said of shares that are known."""
+
+from studies.advise.advice import advice_from, advice_json, joined_words, read_advice
+from studies.advise.sentences import advice_sentence, ranking_lines
+from tests.studies.advise.made_up import remedy, tried
+
+BASE = [0.50, 0.52, 0.54, 0.56, 0.54, 0.58]
+SPRAYED = [0.97, 0.96, 0.97, 0.98, 0.97, 0.97]
+
+
+def better(points: float, noise: float = 0.0) -> list[float]:
+    """The base with a gain that varies from pose to pose."""
+    return [share + points + noise * (-1) ** k for k, share in enumerate(BASE)]
+
+
+def test_the_best_combination_is_advised_with_what_spray_would_give():
+    """Two remedies that gain 27 points in every pose."""
+    laser, roll, spray = remedy("laser", "60 mW"), remedy("roll", "90 deg"), remedy("spray", "matte")
+    singles = [tried(laser, right=better(0.1)), tried(spray, right=SPRAYED)]
+    advice, best = advice_from([tried(right=BASE), *singles, tried(laser, roll, right=better(0.27))], 6, 1)
+    assert best.remedies == (laser, roll)
+    text = advice_sentence(advice, {})
+    assert text.startswith("Set the laser to 60 mW and turn the camera by 90 deg: right depth on 81 % (")
+    assert text.endswith("instead of 54 %; spray would give 97 %.")
+    assert advice.best.cost == "motion"
+    assert advice.best.light == "new"
+
+
+def test_spray_is_no_advice_even_where_nothing_else_helps():
+    """A chrome ball: everything is level, but the matte one is measured."""
+    laser = remedy("laser", "60 mW")
+    advice, best = advice_from(
+        [tried(right=BASE), tried(laser, right=better(0.01, 0.1)), tried(remedy("spray", "matte"), right=SPRAYED)], 6, 1
+    )
+    assert (advice.kind, best.remedies) == ("only spray", ())
+    text = advice_sentence(advice, {"false_depth_reflection": 0.4, "reflection_dark": 0.06})
+    assert text.startswith("Nothing but spray helps")
+    assert "40 % false depth reflection, 6 % reflection dark" in text
+
+
+def test_what_spray_would_give_is_said_with_the_exposure_that_it_needs():
+    """A white part that drowns under the set-point of a dark one."""
+    spray, darker = remedy("spray", "matte"), remedy("set-point", "32 DN")
+    singles = [tried(remedy("laser", "60 mW"), right=better(0.1)), tried(spray, right=better(-0.2))]
+    advice, best = advice_from([tried(right=BASE), *singles, tried(spray, darker, right=SPRAYED)], 6, 1)
+    assert advice_sentence(advice, {}).endswith("spray and set-point 32 DN would give 97 %.")
+    assert [one.factor.name for one in best.remedies] == ["laser"]
+
+
+def test_nothing_is_needed_where_spray_would_add_nothing():
+    """A matte part."""
+    advice, _ = advice_from([tried(right=SPRAYED), tried(remedy("spray", "matte"), right=SPRAYED)], 6, 1)
+    assert advice.kind == "nothing needed"
+    assert advice_sentence(advice, {}).startswith("Nothing is needed: right depth on 97 %")
+
+
+def test_a_gain_of_a_point_is_not_worth_a_remedy_though_it_is_told_apart():
+    """Every pose gains one point."""
+    advice, best = advice_from([tried(right=BASE), tried(remedy("laser", "60 mW"), right=better(0.01))], 6, 1)
+    assert (advice.kind, best.remedies) == ("nothing helps", ())
+    assert advice.remedies[0].verdict == "helps"
+
+
+def test_ranks_hold_what_is_not_told_apart():
+    """Two that trade places from pose to pose share a rank; one that is worse in every pose does not."""
+    a, b, c = remedy("laser", "60 mW"), remedy("laser", "90 mW"), remedy("laser", "30 mW")
+    singles = [tried(a, right=better(0.2)), tried(b, right=better(0.19, 0.05)), tried(c, right=better(-0.2))]
+    advice, _ = advice_from([tried(right=BASE), *singles], 6, 1)
+    assert [(one.level, one.rank, one.verdict) for one in advice.remedies] == [
+        ("60 mW", 1, "helps"),
+        ("90 mW", 1, "helps"),
+        ("30 mW", 3, "hurts"),
+    ]
+    assert "1 hurt" in ranking_lines(advice)[-1]
+
+
+def test_an_advice_survives_its_file():
+    """What is read is what was written."""
+    advice, _ = advice_from([tried(right=BASE), tried(remedy("laser", "60 mW"), right=better(0.2))], 6, 1)
+    assert read_advice(advice_json(advice)) == advice
+
+
+def test_words_are_joined_as_people_do():
+    """With one `and`."""
+    assert joined_words(["a"]) == "a"
+    assert joined_words(["a", "b", "c"]) == "a, b and c"
+    assert joined_words([]) == ""
