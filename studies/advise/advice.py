@@ -76,7 +76,8 @@ def advice_from(tried: Sequence[Tried], poses: int, seeds: int) -> tuple[Advice,
     base = tried[0]
     singles = ranked([one for one in tried if len(one.remedies) == 1], base)
     several = ranked([one for one in tried if len(one.remedies) > 1], base)
-    found = best_advised(tried)
+    # What has most right depth in the mean may not be told apart where something smaller is.
+    found = best_advised([base, *(one for one in tried[1:] if _is_worth_it(one.shares, base.shares))])
     ceiling = min((one for one in tried if one.is_ceiling), key=by_right_share, default=None)
     kind = verdict_kind(base.shares, found.shares, ceiling.shares if ceiling else None)
     advised = found if kind == "remedy" else base

@@ -77,9 +77,7 @@ class Search:
             if remedy.factor.need is LightNeed.NEW and not self._try((remedy,), until):
                 self.untried.append(remedy)
         for combination in self._combinations():
-            if not self._in_time(SEARCH_UNTIL):
-                break
-            self._try(combination, SEARCH_UNTIL)
+            self._try(combination, SEARCH_UNTIL)  # what is known counts, also when time is up
         return list(self._found.values())
 
     @property

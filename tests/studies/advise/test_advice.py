@@ -61,6 +61,15 @@ def test_a_gain_of_a_point_is_not_worth_a_remedy_though_it_is_told_apart():
     assert advice.remedies[0].verdict == "helps"
 
 
+def test_a_smaller_gain_that_is_told_apart_is_advised_before_a_larger_one_that_is_not():
+    """Six points in every pose, and eight in the mean that come and go."""
+    sure, unsure = remedy("roll", "90 deg"), remedy("laser", "60 mW")
+    advice, best = advice_from(
+        [tried(right=BASE), tried(unsure, right=better(0.08, 0.3)), tried(sure, right=better(0.06))], 6, 1
+    )
+    assert (advice.kind, best.remedies) == ("remedy", (sure,))
+
+
 def test_ranks_hold_what_is_not_told_apart():
     """Two that trade places from pose to pose share a rank; one that is worse in every pose does not."""
     a, b, c = remedy("laser", "60 mW"), remedy("laser", "90 mW"), remedy("laser", "30 mW")

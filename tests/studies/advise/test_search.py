@@ -88,6 +88,15 @@ def test_what_makes_depth_up_is_tried_on_top_of_what_helps_and_not_advised():
     assert "filters" not in names(best_advised(tried))
 
 
+def test_a_command_given_again_says_the_same_though_its_time_is_up():
+    """What was measured counts, combinations as well."""
+    first = search(3600.0)
+    tried = [one.setup for one in first.run()]
+    again = Search(base(), first.scores, time.monotonic() - 1.0, 3600.0)
+    again.scores.lights.poses = POSES[:2]  # of which all are measured whatever the time
+    assert [one.setup for one in again.run()] == tried
+
+
 def test_without_time_the_first_poses_are_measured_and_new_light_is_named_as_untried():
     """Two poses whatever the time: the camera as it is set, all that needs no rendering, and what is possible at the
     best."""
