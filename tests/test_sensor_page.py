@@ -33,7 +33,15 @@ def test_files_and_commands_that_it_names_exist():
     named = re.findall(r"`((?:render|materials|scenes|tests)/[\w/]+\.py)`", TEXT)
     assert named
     assert [name for name in named if not (ROOT / name).exists()] == []
-    others = {"drawing", "demo", "objects", "delays", "repetitions", "monitored"}  # named on other pages
+    others = {
+        "drawing",
+        "replayed_models",
+        "demo",
+        "objects",
+        "delays",
+        "repetitions",
+        "monitored",
+    }  # named on other pages
     of_robust = {name for name in SCRIPTS if name.startswith("robust")} | {"unseen_parts"}
     assert set(COMMANDS.findall(TEXT)) == set(SCRIPTS) - others - of_robust
     assert set(COMMANDS.findall((DOCS / "fra_robust.md").read_text())) == of_robust

@@ -11,14 +11,12 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
+from docs.figures.replayed_models import robust_models
 from franbv.known_planners import PLANNERS
-from franbv.model import model_of, model_with
 from franbv.parameters import Parameters
 from franbv.robust.choice import expected_gains
 from franbv.robust.hypothesis import hypothesis
 from franbv.robust.settings import RobustSettings
-from franbv.sensing import DepthBurst
-from franbv.voxel_map import empty_map
 from studies.run.stored_run import StoredRun, stored_runs
 
 MOST = 0.5
@@ -41,18 +39,13 @@ def main(folders: list[Path]) -> None:
 def shares_for_regions(stored: StoredRun) -> list[float | None]:
     """Of each view but the last: the share of the next view's gain in its regions, None where it shows none."""
     parameters = Parameters.model_validate(stored.run["config"]["parameters"])
-    planner, settings, seed = PLANNERS["fra-robust"].build(), RobustSettings(), np.random.SeedSequence(0)
-    assert planner.detect is not None
-    model, shares = model_of(empty_map(parameters), planner, parameters, seed), []
-    for number in range(len(stored.rows) - 1):
-        view, depths = stored.view(number), stored.depths(number)
-        assert depths is not None
-        burst = DepthBurst(depths, view.intrinsics, view.pose)
-        model = model_with(model.voxel_map, burst, planner, parameters, seed)
-        boxes = [box.grown(parameters.voxel_size) for box in planner.detect(burst, model, parameters).boxes]
+    detect, settings, shares = PLANNERS["fra-robust"].build().detect, RobustSettings(), []
+    assert detect is not None
+    following = [stored.view(number).pose for number in range(1, len(stored.rows))]
+    for pose, (burst, model) in zip(following, robust_models(stored, parameters), strict=False):
+        boxes = [box.grown(parameters.voxel_size) for box in detect(burst, model, parameters).boxes]
         left = hypothesis(model, parameters, settings)
-        following = RigidTransform.concatenate([stored.view(number + 1).pose])
-        gains = expected_gains(model, left, view.intrinsics, following, settings)[0]
+        gains = expected_gains(model, left, burst.intrinsics, RigidTransform.concatenate([pose]), settings)[0]
         inside = np.zeros(len(gains), bool)
         for box in boxes:
             inside |= box.contains(left.places)

@@ -10,13 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from franbv.known_planners import PLANNERS
-from franbv.model import model_of, model_with
+from docs.figures.replayed_models import robust_models
 from franbv.parameters import Parameters
 from franbv.robust.hypothesis import hypothesis, missing_share
 from franbv.robust.settings import RobustSettings
-from franbv.sensing import DepthBurst
-from franbv.voxel_map import empty_map
 from studies.run.acquisition_table import MAP_COVERAGE
 from studies.run.stored_run import StoredRun, stored_runs
 
@@ -41,12 +38,8 @@ def main(folders: list[Path]) -> None:
 def believed_and_true(stored: StoredRun) -> np.ndarray:
     """Both shares after every acquisition, (n, 2)."""
     parameters = Parameters.model_validate(stored.run["config"]["parameters"])
-    planner, settings, seed = PLANNERS["fra-robust"].build(), RobustSettings(), np.random.SeedSequence(0)
-    model, shares = model_of(empty_map(parameters), planner, parameters, seed), []
-    for number, row in enumerate(stored.rows):
-        view, depths = stored.view(number), stored.depths(number)
-        assert depths is not None
-        model = model_with(model.voxel_map, DepthBurst(depths, view.intrinsics, view.pose), planner, parameters, seed)
+    settings, shares = RobustSettings(), []
+    for row, (_, model) in zip(stored.rows, robust_models(stored, parameters), strict=True):
         left = hypothesis(model, parameters, settings)
         shares.append((missing_share(model, left, settings), 1.0 - row[MAP_COVERAGE]))
     return np.array(shares)

@@ -55,7 +55,7 @@ class Hypothesis:
     areas: Float[np.ndarray, "n"]
     """[m^2]"""
     unfound: Bool[np.ndarray, "n"]
-    """Elements of the hull, where nothing was measured; the others are measured and have too few points."""
+    """Elements of hull and frontier, where nothing was measured; the others are measured and have too few points."""
     left: Float[np.ndarray, "n"]
     """Share of each that no point covers yet, or the chance that there is surface where none was found [0, 1]."""
     looks: Float[np.ndarray, "n 2 b"]

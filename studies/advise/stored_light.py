@@ -20,6 +20,7 @@ from studies.base.case_folder import case_digest
 from studies.base.config import Config
 from studies.base.reading import reading
 from studies.run.scene_settings import SubjectSettings
+from studies.scoring.missing_surface import pixel_areas
 from studies.store.views import read_arrays, write_arrays
 
 LIGHT = "light"
@@ -134,22 +135,10 @@ class LightStore:
 def seen_part(truth: Truth, scene: Scene, intrinsics: Intrinsics) -> SeenPart:
     """What is scored of a truth. scene: the one that it was found in."""
     part = looks_at_part(truth, scene)
-    area = np.where(part, pixel_area(truth.depth, truth.incidence, intrinsics), 0).astype(np.float32)
+    depth, incidence = truth.depth.astype(float), truth.incidence.astype(float)
+    areas = pixel_areas(depth, incidence, intrinsics, np.cos(np.radians(GRAZING_DEG)))
+    area = np.where(part, areas, 0).astype(np.float32)
     return SeenPart(truth.depth, area, truth.body, facings(truth.normal_world))
-
-
-def pixel_area(
-    depth: Float32[np.ndarray, "h w"], incidence: Float32[np.ndarray, "h w"], intrinsics: Intrinsics
-) -> Float32[np.ndarray, "h w"]:
-    """Surface behind each pixel [m^2], dA = Z^2 cos(field angle) / (fx fy cos(incidence)); NaN where nothing is.
-
-    A pixel at the field angle a has the solid angle cos(a)^3 / (fx fy), and its surface lies Z / cos(a) away.
-    """
-    v, u = np.mgrid[: intrinsics.height, : intrinsics.width]
-    x, y = (u - intrinsics.cx) / intrinsics.fx, (v - intrinsics.cy) / intrinsics.fy
-    field_cosine = 1 / np.sqrt(1 + x**2 + y**2)
-    facing = np.cos(np.minimum(incidence, np.radians(GRAZING_DEG)))
-    return (depth**2 * field_cosine / (intrinsics.fx * intrinsics.fy * facing)).astype(np.float32)
 
 
 def facings(normal: Float32[np.ndarray, "h w 3"]) -> UInt8[np.ndarray, "h w"]:

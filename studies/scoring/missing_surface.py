@@ -51,10 +51,18 @@ class Surface:
 def visible_surface(truth: Truth, intrinsics: Intrinsics, T_world_cam: RigidTransform) -> Surface:
     """All pixels, row by row; elements where nothing is have no area. intrinsics: of the full resolution."""
     rays, depth = intrinsics.pixel_directions(), truth.depth.astype(float)
-    cosine = np.maximum(np.cos(np.nan_to_num(truth.incidence.astype(float))), LEAST_COSINE)
-    areas = depth**2 / (np.linalg.norm(rays, axis=-1) * intrinsics.fx * intrinsics.fy * cosine)
+    areas = pixel_areas(depth, np.nan_to_num(truth.incidence.astype(float)), intrinsics, LEAST_COSINE)
     points = T_world_cam.apply((rays * depth[..., None]).reshape(-1, 3))
     return Surface(points, truth.normal_world.reshape(-1, 3).astype(float), areas.ravel())
+
+
+def pixel_areas(
+    depth: Float[np.ndarray, "h w"], incidence: Float[np.ndarray, "h w"], intrinsics: Intrinsics, least_cosine: float
+) -> Float[np.ndarray, "h w"]:
+    """Surface behind each pixel [m^2] by the formula at the head of the module; NaN where the incidence [rad] is."""
+    cosine = np.maximum(np.cos(incidence), least_cosine)
+    length = np.linalg.norm(intrinsics.pixel_directions(), axis=-1)
+    return depth**2 / (length * intrinsics.fx * intrinsics.fy * cosine)
 
 
 def block_pixels(camera: SimulatedD435i) -> Int[np.ndarray, "h_d w_d n"]:

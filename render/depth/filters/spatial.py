@@ -96,32 +96,36 @@ def _depth_rows(z16: UInt16[np.ndarray, "h w"], alpha: np.float32, delta: int, r
     """To the right and back, holes filled on the way."""
     height, width = z16.shape
     for v in range(height):
-        last, filled = np.int32(z16[v, 0]), 0
-        for u in range(1, width - 1):
-            here = np.int32(z16[v, u])
-            if last > 0 and here > 0:
-                filled = 0
-                if abs(here - last) <= delta:
-                    here = _mixed(here, last, alpha)
-            elif last > 0:
-                filled += 1
-                if filled < radius:
-                    here = last
-            z16[v, u] = here
-            last = here
-        last, filled = np.int32(z16[v, width - 1]), 0
-        for u in range(width - 2, -1, -1):
-            here = np.int32(z16[v, u])
-            if last > 0 and here > 1:
-                filled = 0
-                if abs(here - last) <= delta:
-                    here = _mixed(here, last, alpha)
-            elif last > 0:
-                filled += 1
-                if filled < radius:
-                    here = last
-            z16[v, u] = here
-            last = here
+        _along_row(z16[v], 0, width - 1, 1, 0, alpha, delta, radius)
+        _along_row(z16[v], width - 1, -1, -1, 1, alpha, delta, radius)  # a depth of 1 counts as a hole on the way back
+
+
+@no_type_check
+@numba.njit(nogil=True, cache=True)
+def _along_row(
+    row: UInt16[np.ndarray, "w"],
+    first: int,
+    end: int,
+    step: int,
+    hole: int,
+    alpha: np.float32,
+    delta: int,
+    radius: int,
+) -> None:
+    """From the first pixel up to before `end`; depths up to `hole` [units] are holes."""
+    last, filled = np.int32(row[first]), 0
+    for u in range(first + step, end, step):
+        here = np.int32(row[u])
+        if last > 0 and here > hole:
+            filled = 0
+            if abs(here - last) <= delta:
+                here = _mixed(here, last, alpha)
+        elif last > 0:
+            filled += 1
+            if filled < radius:
+                here = last
+        row[u] = here
+        last = here
 
 
 @no_type_check

@@ -75,9 +75,7 @@ def comparison_html(
 ) -> str:
     """The whole page."""
     known = list(dict.fromkeys(record.part for record in comparison.records))
-    parts = [
-        part for part in known if part not in preset.other_ablated_parts
-    ]  # those are in the tables of changes alone
+    parts = [part for part in known if part not in preset.other_ablated_parts]  # those have tables of changes alone
     words, short = {part: part_words(part, preset) for part in known}, {part: short_words(part) for part in known}
     arms = [arm for arm in preset.planners if any(comparison.runs(part, arm) for part in parts)]
     differences = difference_rows(comparison, parts, [arm for arm in arms if arm != "fra"])
@@ -118,14 +116,23 @@ def comparison_html(
             versions=version_words(comparison),
             overhead=overhead_words(comparison),
             losses=loss_rows(comparison, parts),
-            links=link_words(comparison, parts, preset.parameters.recovered_share),
             speed=speed_section(speed) if speed else None,
-            ablations=ablation_rows(comparison, preset.ablated_parts),
-            robust=robust_section(robust_tables(comparison)),
-            moved_leads=links_figure(comparison, preset.ablated_parts, words),
-            changed_links=changed_link_rows(comparison, preset.ablated_parts),
+            **_of_changes(comparison, preset, parts, words),
             failures=failures,
             config=list(flattened(preset.model_dump(mode="json"))),
             style=page_style(("studies.comparison.report", "comparison.css")),
         )
     )
+
+
+def _of_changes(
+    comparison: Comparison, preset: ComparisonPreset, parts: Sequence[str], words: dict[str, str]
+) -> dict[str, Any]:
+    """What the page says of ablations and of links."""
+    return {
+        "links": link_words(comparison, parts, preset.parameters.recovered_share),
+        "ablations": ablation_rows(comparison, preset.ablated_parts),
+        "robust": robust_section(robust_tables(comparison)),
+        "moved_leads": links_figure(comparison, preset.ablated_parts, words),
+        "changed_links": changed_link_rows(comparison, preset.ablated_parts),
+    }

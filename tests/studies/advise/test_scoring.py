@@ -12,7 +12,8 @@ from studies.advise.scoring import (
     fused_outcome,
     near_part,
 )
-from studies.advise.stored_light import FACINGS, SeenPart, facings, pixel_area
+from studies.advise.stored_light import FACINGS, GRAZING_DEG, SeenPart, facings
+from studies.scoring.missing_surface import pixel_areas
 
 
 def seen(area: np.ndarray) -> SeenPart:
@@ -38,7 +39,9 @@ def test_areas_of_pixels_sum_to_the_surface_that_they_look_at():
         z = 0.5 / (1 - fine * np.tan(tilt))
         along = fine * z / np.cos(tilt)
         exact = np.trapezoid(2 * 24 / k.fy * z, along)
-        assert pixel_area(depth, incidence, k).sum() == pytest.approx(exact, rel=2e-3)
+        assert pixel_areas(
+            depth.astype(float), incidence.astype(float), k, np.cos(np.radians(GRAZING_DEG))
+        ).sum() == pytest.approx(exact, rel=2e-3)
 
 
 def test_surface_counts_and_not_pixels():
