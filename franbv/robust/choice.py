@@ -40,10 +40,9 @@ def robust_candidates(
     poses face on to what is left to be measured."""
     upright = parameters.model_copy(update={"roll_deg": 0.0})
     rings = candidate_poses(model.object.box, upright, azimuth_offset)
-    near = [nearer(pose, model, parameters) for pose in rings] + face_on(left, parameters)
-    turned = [
-        rolled(RigidTransform.concatenate(rings + near), parameters.roll_deg + turn) for turn in settings.turns_deg
-    ]
+    ring = RigidTransform.concatenate(rings)
+    upright_poses = RigidTransform.concatenate([ring, nearer(ring, model, parameters), *face_on(left, parameters)])
+    turned = [rolled(upright_poses, parameters.roll_deg + turn) for turn in settings.turns_deg]
     poses = [pose for batch in turned for pose in batch]
     own, others = poses[: len(rings)], poses[len(rings) :]
     grid = with_scans(model.voxel_map)
@@ -53,12 +52,13 @@ def robust_candidates(
     return own + [others[k] for k in np.argsort(-gains, kind="stable")[:MOST_OFFERED]]
 
 
-def nearer(pose: RigidTransform, model: Model, parameters: Parameters) -> RigidTransform:
-    """The pose moved along its axis until the foremost corner of the object's box is at the stand-off from it: the
+def nearer(poses: RigidTransform, model: Model, parameters: Parameters) -> RigidTransform:
+    """Each pose moved along its axis until the foremost corner of the object's box is at the stand-off from it: the
     paper's stand-off is from the ball around the box, which leaves a pixel on a flat part twice as much surface."""
-    axis = pose.rotation.as_matrix()[:, 2]
-    foremost = ((model.object.box.corners() - pose.translation) @ axis).min()
-    return RigidTransform.from_components(pose.translation + (foremost - parameters.stand_off) * axis, pose.rotation)
+    axes, eyes = poses.rotation.as_matrix()[:, :, 2], poses.translation
+    corners = model.object.box.corners()
+    foremost = np.array([((corners - eye) @ axis).min() for eye, axis in zip(eyes, axes, strict=True)])
+    return RigidTransform.from_components(eyes + (foremost - parameters.stand_off)[:, None] * axes, poses.rotation)
 
 
 def face_on(left: Hypothesis, parameters: Parameters) -> list[RigidTransform]:

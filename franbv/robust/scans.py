@@ -41,7 +41,7 @@ class Scan:
         rays = self.intrinsics.pixel_directions().reshape(-1, 3)
         return self.depth.ravel() * np.linalg.norm(rays, axis=1)
 
-    @property
+    @cached_property
     def turn(self) -> int:
         """Of the camera about its axis, in quarter turns from upright, 0 or 1: half a turn shows the same."""
         return int(quarter_turns(self.T_world_cam))
