@@ -15,7 +15,7 @@ from studies.advise.flags import AdviseCommand
 from studies.advise.poses import pose_texts
 from studies.advise.score_store import SURFACE_COUNTS, ScoreStore
 from studies.advise.search import Search
-from studies.advise.sentences import advice_sentence, ranking_lines, untried_line
+from studies.advise.sentences import advice_sentence, impossible_line, ranking_lines, untried_line
 from studies.advise.settings import AdviseSettings, base_setup, checked_settings, subject_of
 from studies.advise.setup import Setup
 from studies.advise.stored_advice import ADVICE, StoredAdvice, read_stored_advice, stored_wall_s, write_stored_advice
@@ -83,6 +83,7 @@ def advised(
         advice=advice,
         headline=advice_sentence(advice, words["lost_before"]),
         untried=tuple(remedy.title for remedy in search.untried),
+        impossible=tuple(remedy.title for remedy in search.impossible),
         poses=poses[: search.n_poses],
         settings=settings.model_dump(mode="json"),
         versions=versions(),
@@ -112,14 +113,15 @@ def _explained(scores: ScoreStore, base: Setup, best: Setup, n: int) -> dict[str
 
 def _tell(command: AdviseCommand, stored: StoredAdvice, report: Path) -> None:
     say(f"{stored.title}. {stored.headline}")
-    for line in (*ranking_lines(stored.advice), untried_line(stored.untried)):
+    for line in (*ranking_lines(stored.advice), untried_line(stored.untried), impossible_line(stored.impossible)):
         if line:
             say(line)
     files = ", ".join(str(command.out / name) for name in (VIEWER_PRESET, SENSOR_FILE))
     say(f"To use at once: {files}\nReport: {report}")
     if command.json:
         figures = advice_json(stored.advice)
-        say_json({"folder": str(command.out), "wall_s": stored.wall_s, **figures, "untried": list(stored.untried)})
+        left_out = {"untried": list(stored.untried), "impossible": list(stored.impossible)}
+        say_json({"folder": str(command.out), "wall_s": stored.wall_s, **figures, **left_out})
 
 
 def rebuild(out: Path) -> Path:

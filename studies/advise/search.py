@@ -65,18 +65,22 @@ class Search:
     """Poses that count."""
     untried: list[Remedy] = field(default_factory=list)
     """For want of time."""
+    impossible: list[Remedy] = field(default_factory=list)
+    """Since no camera can stand there from one of the poses."""
     _found: dict[str, Tried] = field(default_factory=dict)
 
     def run(self) -> list[Tried]:
         """All that was measured, the camera as it is set first, then in the order of trying."""
-        remedies = [r for r in remedies_for(self.base) if self.has_lamps or r.factor.name not in NEED_LAMPS]
+        asked = [r for r in remedies_for(self.base) if self.has_lamps or r.factor.name not in NEED_LAMPS]
+        self.impossible = [remedy for remedy in asked if not self._can_stand((remedy,))]
+        remedies = [remedy for remedy in asked if remedy not in self.impossible]
         stored = [remedy for remedy in remedies if remedy.factor.need is not LightNeed.NEW]
         self._pose_by_pose([(), *((remedy,) for remedy in stored)])
         for remedy in remedies:
             until = np.inf if remedy.factor.is_ceiling else NEW_UNTIL
             if remedy.factor.need is LightNeed.NEW and not self._try((remedy,), until):
                 self.untried.append(remedy)
-        for combination in self._combinations():
+        for combination in filter(self._can_stand, self._combinations()):
             self._try(combination, SEARCH_UNTIL)  # what is known counts, also when time is up
         return list(self._found.values())
 
@@ -84,6 +88,11 @@ class Search:
     def singles(self) -> list[Tried]:
         """What was tried one at a time."""
         return [tried for tried in self._found.values() if len(tried.remedies) == 1]
+
+    def _can_stand(self, remedies: tuple[Remedy, ...]) -> bool:
+        setup, can_stand = set_up_with(self.base, remedies), self.scores.lights.can_stand
+        second = setup.second_look
+        return can_stand(setup.first_look.light) and (second is None or can_stand(second.light))
 
     def _pose_by_pose(self, combinations: Sequence[tuple[Remedy, ...]]) -> None:
         """A pose's light is read once for all of them."""

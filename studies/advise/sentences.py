@@ -85,6 +85,11 @@ def untried_line(names: Sequence[str]) -> str:
     return f"Not tried for want of time: {', '.join(names)}; give more --minutes." if names else ""
 
 
+def impossible_line(names: Sequence[str]) -> str:
+    """Where the camera cannot stand."""
+    return f"Left out, since no camera can stand there from one of the poses: {', '.join(names)}." if names else ""
+
+
 def _gain(one: RemedyScore) -> str:
     points = f"{100 * one.gain:+.0f} points ({100 * one.gain_lo:+.0f} to {100 * one.gain_hi:+.0f})"
     return f"{points}, {one.verdict}"

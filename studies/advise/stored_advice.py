@@ -12,7 +12,7 @@ from studies.base.reading import MALFORMED, reading
 
 ADVICE = "advice.json"
 """File that the folder is known by."""
-ADVICE_FORMAT = 1
+ADVICE_FORMAT = 2
 """Of the file; it rises when the page cannot be made from older ones."""
 
 
@@ -25,6 +25,8 @@ class StoredAdvice:
     headline: str
     untried: tuple[str, ...]
     """Remedies for which there was no time."""
+    impossible: tuple[str, ...]
+    """Remedies for which the camera would have to stand where it cannot."""
     poses: tuple[str, ...]
     """As the command line spells them."""
     lost_before: dict[str, float]
@@ -54,7 +56,7 @@ def read_stored_advice(out: Path) -> StoredAdvice:
         text = json.loads(path.read_text(encoding="utf-8"))
         if text.pop("format") != ADVICE_FORMAT:
             raise ValueError("written by another version")
-        lists = {name: tuple(text.pop(name)) for name in ("untried", "poses", "faces", "pictures")}
+        lists = {name: tuple(text.pop(name)) for name in ("untried", "impossible", "poses", "faces", "pictures")}
         return StoredAdvice(**{**text, **lists, "advice": read_advice(text["advice"])})
 
 

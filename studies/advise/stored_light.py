@@ -9,6 +9,7 @@ from jaxtyping import Float32, UInt8
 from scipy.spatial.transform import RigidTransform
 
 from franbv.frames import Intrinsics
+from materials.input_error import InputError
 from render.d435i import SimulatedD435i
 from render.light.radiance import RadianceLayers, StoppedPaths
 from render.world.truth import Truth, looks_at_part
@@ -18,6 +19,7 @@ from studies.advise.poses import stood
 from studies.advise.setup import LightKey
 from studies.base.case_folder import case_digest
 from studies.base.config import Config
+from studies.base.pose_text import check_free
 from studies.base.reading import reading
 from studies.run.scene_settings import SubjectSettings
 from studies.scoring.missing_surface import pixel_areas
@@ -103,6 +105,15 @@ class LightStore:
         if name not in self._stands:
             self._stands[name] = stood(self.poses[index], self.scene, self.roll_deg, key.stand)
         return self._stands[name]
+
+    def can_stand(self, key: LightKey) -> bool:
+        """Whether the camera can be there from every pose; the scene without remedies decides."""
+        try:
+            for index, pose in enumerate(self.poses):
+                check_free(pose, self.stands(key, index).translation, self.scene)
+        except InputError:
+            return False
+        return True
 
     def path(self, key: LightKey, index: int) -> Path:
         """File of one rendering."""

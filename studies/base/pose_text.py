@@ -30,7 +30,7 @@ def camera_pose(text: str | None, scene: Scene, roll_deg: float = 0.0) -> RigidT
         if np.linalg.norm(eye - middle) < 1e-6:
             raise InputError(f"--pose {text}: the camera stands where it should look; give a distance")
         pose = rolled(look_at(eye, middle), roll_deg)
-    _check_free(text or "first view", pose.translation, scene)
+    check_free(f"--pose {text or 'first view'}", pose.translation, scene)
     return pose
 
 
@@ -53,8 +53,12 @@ def _eye(text: str, middle: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
     return middle + c * np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)])
 
 
-def _check_free(text: str, eye: Float[np.ndarray, "3"], scene: Scene) -> None:
-    where = f"--pose {text}: the camera at ({', '.join(f'{x:.3f}' for x in eye)}) m"
+def check_free(pose: str, eye: Float[np.ndarray, "3"], scene: Scene) -> None:
+    """InputError where no camera can be: under the table, inside the part or what stands around it, outside the room.
+
+    pose: how the message names it.
+    """
+    where = f"{pose}: the camera at ({', '.join(f'{x:.3f}' for x in eye)}) m"
     if eye[2] <= 0:
         raise InputError(f"{where} is under the table (z = 0); raise it")
     for body in scene.part_bodies:

@@ -1,7 +1,5 @@
 """Every remedy's share of right depth with its interval, the best first, against the camera as it is set."""
 
-from collections.abc import Sequence
-
 from markupsafe import Markup
 
 from studies.advise.advice import Advice, RemedyScore
@@ -15,10 +13,8 @@ _LEFT, _RIGHT, _TOP, _STEP = 430, 1060, 42, 19
 
 def ranking_figure(advice: Advice) -> Markup:
     """One line a remedy; the band is the interval of the camera as it is set."""
-    rows: Sequence[RemedyScore] = [
-        *[one for one in advice.combinations if not one.is_ceiling][:MOST_COMBINATIONS],
-        *advice.remedies,
-    ]
+    combinations = [one for one in advice.combinations if not one.is_ceiling][:MOST_COMBINATIONS]
+    rows = sorted([*combinations, *advice.remedies], key=lambda one: -one.right_share)
     x = svg.Scale(0, 100, _LEFT, _RIGHT)
     bottom = _TOP + _STEP * len(rows) + 6
     base = advice.base

@@ -31,8 +31,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, StoredAdvice]:
     views = [explained(), explained()]
     rows = tuple(asdict(row) for row in face_rows(views, views, ["block", "table", "screw"]))
     lost = losses(views)
+    untried, impossible = ("profile: 1280x720",), ("stand-off: 1.33 times",)
     stored = StoredAdvice(
-        "Part <X>", advice, advice_sentence(advice, lost), ("profile: 1280x720",), ("0,40,0.3", "90,40,0.3"), lost,
+        "Part <X>", advice, advice_sentence(advice, lost), untried, impossible, ("0,40,0.3", "90,40,0.3"), lost,
         lost, rows, tuple(picture_rows(views, views)), {"part": "X", "sensor": {"profile": "640x360"}},
         {"python": "3"}, 12.0,
     )  # fmt: skip
@@ -63,6 +64,7 @@ def test_the_page_says_what_was_found(made: tuple[Path, StoredAdvice]):
     assert "right depth on 81 % (" in html
     assert "<b>54 %</b>" in html
     assert "Not tried for want of time: profile: 1280x720" in html
+    assert "no camera can stand there from one of the poses: stand-off: 1.33 times." in html
     assert "block, +x" in html
     assert "part &lt;X&gt;" in html
     for words in ("laser: 60 mW", "preset: hand", "spray: matte", "laser + roll: 60 mW + 90 deg"):

@@ -53,10 +53,10 @@ class KnownShares(ScoreStore):
         return Path("/nowhere")
 
 
-def search(seconds: float) -> Search:
+def search(seconds: float, poses: tuple[str, ...] = POSES) -> Search:
     """With so much time."""
     lights = NoLight(
-        Path("/nowhere"), SubjectSettings(part="plate"), coupon_scene("plate", material("iron:blasted")), POSES, 0.0
+        Path("/nowhere"), SubjectSettings(part="plate"), coupon_scene("plate", material("iron:blasted")), poses, 0.0
     )
     lights.seconds.append(10.0)
     return Search(base(), KnownShares(lights, (0,)), time.monotonic() + seconds, seconds)
@@ -78,6 +78,16 @@ def test_with_time_enough_all_is_tried_and_the_three_that_add_up_are_found():
     assert abs(best.shares.right_share - 0.79) < 1e-9
     assert max(len(t.remedies) for t in tried) == 3
     assert any(names(t) == {"spray", "lamps"} for t in tried)
+
+
+def test_where_no_camera_can_stand_a_remedy_is_left_out_and_named():
+    """A pose two centimetres above the table looks up at a plate on a stage: nearer or farther along its line the
+    camera comes elsewhere, farther below the table."""
+    one = search(3600.0, ("0,-6,0.6", *POSES))
+    tried = one.run()
+    assert [remedy.title for remedy in one.impossible] == ["stand-off: 1.33 times"]
+    assert all("1.33 times" not in {remedy.level.name for remedy in t.remedies} for t in tried)
+    assert one.untried == []
 
 
 def test_what_makes_depth_up_is_tried_on_top_of_what_helps_and_not_advised():
