@@ -7,7 +7,8 @@ import sys
 
 import pytest
 
-from docs.figures.demo import BEGIN, COMMAND, END, with_figures
+from docs.figures.demo import COMMAND
+from docs.figures.page_picture import with_figures
 from studies.cli.main import COMMANDS
 from tests.conftest import ROOT
 
@@ -26,15 +27,20 @@ def test_its_commands_and_links_exist():
 
 
 def test_its_demo_is_what_make_demo_runs():
-    """The command that draws the picture makes the same run; its sentence stands between the marks and nothing else."""
+    """The command that draws the picture makes the same run."""
     recipe = re.search(r"^demo:.*\n\t\$\(BIN\)/franbv (.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
     assert recipe is not None
     assert recipe[1].split() == COMMAND
-    told = with_figures(TEXT, "one line\n")
-    assert BEGIN + "one line\n" + END in told
-    assert told.replace("one line\n", "") == with_figures(TEXT, "")
+
+
+@pytest.mark.parametrize("script", ["docs.figures.demo", "docs.figures.advice"])
+def test_a_sentence_with_figures_stands_between_the_marks_of_its_script(script: str):
+    """And nothing else changes when it is written anew."""
+    told = with_figures(TEXT, "one line\n", script)
+    assert f"<!-- of `python -m {script}` -->\none line\n<!-- end -->\n" in told
+    assert told.replace("one line\n", "") == with_figures(TEXT, "", script)
     with pytest.raises(ValueError, match="README lacks"):
-        with_figures(TEXT.replace(END, ""), "")
+        with_figures(TEXT.replace("<!-- end -->", ""), "", script)
 
 
 @pytest.mark.slow

@@ -21,10 +21,11 @@ def test_its_figures_exist_and_are_small():
         assert 0 < (DOCS / name).stat().st_size < 150_000, name
     drawn = {f"figures/{path.name}" for path in (DOCS / "figures").glob("*.png")}
     others = {
+        "figures/advice.png",
         "figures/demo.png",
         "figures/objects.png",
         "figures/robust.png",
-    }  # the README's, the comparison's, fra-robust's
+    }  # the README's two, the comparison's, fra-robust's
     assert drawn - shown <= others
 
 
@@ -35,6 +36,9 @@ def test_files_and_commands_that_it_names_exist():
     assert [name for name in named if not (ROOT / name).exists()] == []
     others = {
         "drawing",
+        "page_picture",
+        "advice",
+        "advice_ranking",
         "replayed_models",
         "demo",
         "objects",
