@@ -43,6 +43,8 @@ class Acquisition:
     """Reflective regions in this burst; None for recoveries and planners that look for none."""
     recovery_poses: RecoveryPoses | None
     """Where the largest region is to be seen from; None if there is none."""
+    missing: float | None
+    """Share of the surface that the planner then believes the map lacks [0, 1]; None where it has no idea."""
     gamma: float | None
     """Gamma of the region after this recovery; None for other kinds."""
     gamma_attainable: float | None

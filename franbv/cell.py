@@ -152,6 +152,7 @@ class PlanningCell:
         """Keep the acquisition and show it to the observer. recovery: what it sets off; gammas: Gamma and attained."""
         depth = burst.median_depth(self.parameters.invalid_share)
         points = burst.T_world_cam.apply(back_project(depth, burst.intrinsics))
+        missing = self._missing(model)
         spent = self.clock.read()
         sensing_s = spent.pop("sensing").wall_s
         self.acquisitions.append(
@@ -166,6 +167,7 @@ class PlanningCell:
                 n_unreachable=view.n_unreachable,
                 detection=detection,
                 recovery_poses=None if recovery is None else recovery.poses,
+                missing=missing,
                 gamma=gammas[0] if gammas else None,
                 gamma_attainable=gammas[1] if gammas else None,
                 planning_s={stage: time.thread_s for stage, time in spent.items()},
@@ -174,6 +176,12 @@ class PlanningCell:
             )
         )
         self.observe(self.acquisitions[-1])
+
+    def _missing(self, model: Model) -> float | None:
+        if self.planner.missing is None:
+            return None
+        with self.clock.planning("missing"):
+            return self.planner.missing(model, self.parameters)
 
     def _best(self, utilities: Float[np.ndarray, "n"]) -> int:
         """Index of the largest; among equals (nothing seen yet) any, so that not one ring is always taken."""

@@ -42,6 +42,7 @@ Judge = Callable[[Model, Model, OrientedBox, Parameters], tuple[float, float]]
 
 Stop = Callable[[Model, Sequence[float], Parameters], StopReason | None]
 Candidates = Callable[[Model, Parameters, float], list[RigidTransform]]
+Missing = Callable[[Model, Parameters], float]
 
 
 def ring_candidates(model: Model, parameters: Parameters, azimuth_offset: float) -> list[RigidTransform]:
@@ -97,6 +98,8 @@ class Planner:
     """(model, utilities of the views chosen so far, parameters) -> the rule that ends the run, or None."""
     detect: Detect | None = None
     """Regions that are named and shown, of a planner that recovers none by itself; a `recovery` has its own."""
+    missing: Missing | None = None
+    """(model, parameters) -> share of the surface that it believes the map still lacks [0, 1]; None: it has no idea."""
 
 
 def pb() -> Planner:

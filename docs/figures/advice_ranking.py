@@ -31,16 +31,20 @@ def main(few: Path, many: Path) -> None:
     told_shares = np.array([[ours[title].right_share, theirs[title].right_share] for title in told])
     print(
         f"{len(common)} remedies at {one.advice.poses} and at {other.advice.poses} other poses: "
-        f"Kendall's tau {kendalltau(*shares.T).statistic:.2f}; "
-        f"with those tied that the many do not tell apart {kendalltau(shares[:, 0], -ranks).statistic:.2f}; "
+        f"Kendall's tau {_tau(*shares.T):.2f}; "
+        f"with those tied that the many do not tell apart {_tau(shares[:, 0], -ranks):.2f}; "
         f"of the {len(told)} that the many tell apart from the camera as it is set "
-        f"{kendalltau(*told_shares.T).statistic:.2f}"
+        f"{_tau(*told_shares.T):.2f}"
     )
     print(f"base {_base(one.advice)} and {_base(other.advice)}; first {_first(one.advice)} and {_first(other.advice)}")
 
 
 def _by_title(stored: StoredAdvice) -> dict[tuple[str, str], RemedyScore]:
     return {(score.name, score.level): score for score in stored.advice.remedies}
+
+
+def _tau(one: np.ndarray, other: np.ndarray) -> float:
+    return float(np.asarray(kendalltau(one, other))[0])
 
 
 def _base(advice: Advice) -> str:

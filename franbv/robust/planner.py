@@ -15,7 +15,7 @@ from franbv.planners import Planner, pb, without_ellipsoids
 from franbv.reflective_regions import Detection
 from franbv.robust.choice import gain_per_second, robust_candidates
 from franbv.robust.evidence import EvidenceMap, integrate_robustly
-from franbv.robust.hypothesis import Hypothesis, hypothesis
+from franbv.robust.hypothesis import Hypothesis, hypothesis, missing_share
 from franbv.robust.regions import detect_robustly
 from franbv.robust.settings import RobustSettings
 from franbv.sensing import DepthBurst
@@ -63,11 +63,14 @@ def partly_robust(planner: Planner, changes: Sequence[RobustChange], settings: R
     def stop(model: Model, best_utilities: Sequence[float], parameters: Parameters) -> StopReason | None:
         return little_to_gain(best_utilities, left(model, parameters), parameters, settings)
 
+    def missing(model: Model, parameters: Parameters) -> float:
+        return missing_share(model, left(model, parameters), settings)
+
     if "map" in changes:
         planner = replace(planner, integrate=integrate)
     if "views" in changes:
         planner = replace(planner, candidates=candidates, score=score, stop=stop)
-    return planner
+    return replace(planner, missing=missing) if set(get_args(RobustChange)) <= set(changes) else planner
 
 
 def little_to_gain(

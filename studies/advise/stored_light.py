@@ -87,6 +87,7 @@ class LightStore:
     """What renderings took, at the first profile's size or any other [s]."""
     _cameras: dict[str, SimulatedD435i] = field(default_factory=dict)
     _stands: dict[tuple[str, str], RigidTransform] = field(default_factory=dict)
+    _possible: dict[str, bool] = field(default_factory=dict)
     _read: dict[Path, PoseLight] = field(default_factory=dict)
 
     def camera(self, key: LightKey) -> SimulatedD435i:
@@ -107,10 +108,15 @@ class LightStore:
         return self._stands[name]
 
     def can_stand(self, key: LightKey) -> bool:
-        """Whether the camera can be there from every pose; the scene without remedies decides."""
+        """Whether the camera can be there from every pose; the scene without remedies decides. Found once."""
+        name = key.stand.model_dump_json()
+        if name not in self._possible:
+            self._possible[name] = all(self._is_free(key, index) for index in range(len(self.poses)))
+        return self._possible[name]
+
+    def _is_free(self, key: LightKey, index: int) -> bool:
         try:
-            for index, pose in enumerate(self.poses):
-                check_free(pose, self.stands(key, index).translation, self.scene)
+            check_free(self.poses[index], self.stands(key, index).translation, self.scene)
         except InputError:
             return False
         return True

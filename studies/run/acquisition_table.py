@@ -15,6 +15,8 @@ MAP_COVERAGE, MAP_INCREMENT = "coverage_map_5mm", "increment_map_5mm"
 """The headline, by MAP_MEASURE, and what an acquisition changed of it."""
 RAW_COVERAGE = "coverage_5mm"
 """Of the growing cloud, by RAW_MEASURE."""
+MISSING_BELIEVED = "missing_believed"
+"""What the planner believes the map to lack."""
 
 _COUNTED_WORDS: dict[CoveringSet, str] = {
     "raw": "the cloud",
@@ -64,6 +66,11 @@ ACQUISITION_COLUMNS = (
     Column("reflective_pixels", pa.int32(), "Candidates whose ray first meets a frontier ellipsoid [px]"),
     Column("regions", pa.int32(), "Reflective regions found [-]"),
     Column("recovery_poses", pa.int32(), "Poses for the recovery that this acquisition sets off; empty if none [-]"),
+    Column(
+        MISSING_BELIEVED,
+        pa.float64(),
+        "Share of the surface that the planner believes the map lacks; empty without an idea [-]",
+    ),
     Column("gamma", pa.float64(), "Gamma after a recovery view; empty for other views [-]"),
     Column("gamma_attainable", pa.float64(), "Gamma over what a surface patch can attain; empty for other views [-]"),
     Column("occupied_voxels", pa.int32(), "Occupied voxels of the object [-]"),

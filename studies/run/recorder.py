@@ -14,6 +14,7 @@ from franbv.reflective_regions import View, inside_eroded_silhouette, persistent
 from studies.run.acquisition_table import (
     MAP_COVERAGE,
     MAP_INCREMENT,
+    MISSING_BELIEVED,
     RAW_COVERAGE,
     RECOVERY,
     coverage_column,
@@ -79,6 +80,7 @@ class RunRecorder:
             "reflective_pixels": None if found is None else int(view.reflective.sum()),
             "regions": None if found is None else len(found.boxes),
             "recovery_poses": None if a.recovery_poses is None else len(a.recovery_poses.poses),
+            MISSING_BELIEVED: a.missing,
             "gamma": a.gamma,
             "gamma_attainable": a.gamma_attainable,
             "occupied_voxels": len(a.model.object.occupied),
@@ -136,6 +138,7 @@ def run_summary(run: Reconstruction, past: History | None, reference: Reference 
         "recovery_activations": sum(a.activates for a in run.acquisitions),
         "recovery_acquisitions": sum(a.kind == RECOVERY for a in run.acquisitions),
         **of_recovery,
+        MISSING_BELIEVED: run.acquisitions[-1].missing,
         "stop": str(run.stop),
     }
 

@@ -30,7 +30,7 @@ RUN, TIMINGS, ACQUISITIONS, CLOUD, FILTERED_CLOUD, SURFACE, REPORT = (
 """Files of a case. Only `timings.json` and the report drawn from it differ between two runs of one configuration."""
 
 
-RUN_FORMAT = 3
+RUN_FORMAT = 4
 """Of `run.json` and what stands beside it; it rises when a report cannot be drawn from older ones."""
 MEND = "copy the case whole, or give its command again with another --out"
 """What to do where a part of a case is missing or damaged; nothing that is there is in the way."""

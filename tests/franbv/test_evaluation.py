@@ -33,7 +33,7 @@ def _acquisition(kind, points, voxel_map, activates=False):
         if activates
         else None
     )
-    return Acquisition(0, 0, kind, burst, points, model, None, 0, None, poses, None, None, {}, 0.0, 0.0)
+    return Acquisition(0, 0, kind, burst, points, model, None, 0, None, poses, None, None, None, {}, 0.0, 0.0)
 
 
 def test_half_a_plane_at_four_millimetres():

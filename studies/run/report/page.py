@@ -73,6 +73,8 @@ def run_tiles(
     else:
         yield "unknown", "coverage", "nobody has told the true surface"
     yield str(summary["acquisitions"]), "acquisitions", f"in {summary['nbv_iterations']} NBV iterations"
+    if summary["missing_believed"] is not None:
+        yield percent(summary["missing_believed"]), "believed missing", "by the planner, which knows no surface"
     activations = summary["recovery_activations"]
     name = "recovery activation" if activations == 1 else "recovery activations"
     change = f"their views: {100 * summary['recovery_contribution']:+.1f} points of the map's coverage" if known else ""

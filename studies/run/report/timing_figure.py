@@ -19,6 +19,7 @@ STAGE_WORDS = {
     "object": "object and frontier",
     "ellipsoids": "ellipsoids: mixture, enclosing",
     "detection": "reflective regions",
+    "missing": "what is left to be measured",
     "candidates": "candidate poses",
     "reachability": "reachability",
     "score": "utility of the poses",

@@ -132,6 +132,9 @@ def test_it_measures_a_mirror_that_the_camera_fails_on_as_it_is_mounted():
     }
     assert held_of_the_mirror(runs["fra-robust"]) > 0.8
     assert held_of_the_mirror(runs["pb"]) < 0.3
+    believed = [acquisition.missing for acquisition in runs["fra-robust"].acquisitions]
+    assert 0.0 <= believed[-1] < 0.2 < believed[0] <= 1.0
+    assert {acquisition.missing for acquisition in runs["pb"].acquisitions} == {None}
     again = reconstruct(MirrorCamera(right_deg=(30.0, 0.0)), FreeArm(), fra_robust(), parameters, seed=1)
     for one, other in zip(runs["fra-robust"].acquisitions, again.acquisitions, strict=True):
         np.testing.assert_array_equal(one.burst.T_world_cam.as_matrix(), other.burst.T_world_cam.as_matrix())
