@@ -11,8 +11,9 @@ from studies.advise.search import Tried, best_advised, by_right_share, makes_it_
 WORTH_IT = 0.02
 """Gain of right depth below which a remedy is not advised, told apart or not (choice: two points; other noise moves a
 view's share as much, docs/sensor.md)."""
-NEARLY_CEILING = 0.02
-"""A camera this near to what spray would give needs nothing (choice: as above)."""
+NEEDED = 0.1
+"""Gain of right depth from which on a remedy is needed though shine is not what is in the way (choice: ten points;
+less is what another pose brings on any part)."""
 TIME_NAMES = {LightNeed.STORED: "stored", LightNeed.SCALED: "scaled", LightNeed.NEW: "new"}
 """How `advice.json` says what light a remedy needs."""
 
@@ -65,6 +66,10 @@ class Advice:
     """The best of the sprayed part; None where it was not tried."""
     kind: str
     """`nothing needed`, `remedy`, `only spray` or `nothing helps`."""
+    shine_matters: bool
+    """Whether spray adds right depth: to the camera as it is set, or to a setting that was tried with and without."""
+    beside: RemedyScore | None
+    """What would help though nothing is needed, on matte parts as well; None where nothing would."""
     settings: int
     """Setups that were compared."""
     poses: int
@@ -79,7 +84,8 @@ def advice_from(tried: Sequence[Tried], poses: int, seeds: int) -> tuple[Advice,
     # What has most right depth in the mean may not be told apart where something smaller is.
     found = best_advised([base, *(one for one in tried[1:] if _is_worth_it(one.shares, base.shares))])
     ceiling = min((one for one in tried if one.is_ceiling), key=by_right_share, default=None)
-    kind = verdict_kind(base.shares, found.shares, ceiling.shares if ceiling else None)
+    matters = shine_matters(tried)
+    kind = verdict_kind(base.shares, found.shares, ceiling.shares if ceiling else None, matters)
     advised = found if kind == "remedy" else base
     answer = Advice(
         tuple(singles),
@@ -88,6 +94,8 @@ def advice_from(tried: Sequence[Tried], poses: int, seeds: int) -> tuple[Advice,
         remedy_score(advised, base, 0),
         remedy_score(ceiling, base, 0) if ceiling else None,
         kind,
+        matters,
+        remedy_score(found, base, 0) if kind == "nothing needed" and found is not base else None,
         len(tried),
         poses,
         seeds,
@@ -95,19 +103,28 @@ def advice_from(tried: Sequence[Tried], poses: int, seeds: int) -> tuple[Advice,
     return answer, advised
 
 
-def verdict_kind(base: SurfaceShares, best: SurfaceShares, ceiling: SurfaceShares | None) -> str:
+def shine_matters(tried: Sequence[Tried]) -> bool:
+    """Whether spray is worth it beside any setting that was tried with and without it. A white part may drown in light
+    in which a dark one does not, so that spray by itself tells too little."""
+    without = {frozenset(remedy.title for remedy in one.remedies): one for one in tried}
+    for sprayed in (one for one in tried if one.is_ceiling):
+        others = frozenset(remedy.title for remedy in sprayed.remedies if not remedy.factor.is_ceiling)
+        if _is_worth_it(sprayed.shares, without.get(others, tried[0]).shares):
+            return True
+    return False
+
+
+def verdict_kind(base: SurfaceShares, best: SurfaceShares, ceiling: SurfaceShares | None, shine: bool) -> str:
     """What to say: see `Advice.kind`.
 
-    Nothing is needed where spray, which no setting beats on shiny metal, would add no more than NEARLY_CEILING, or is
-    not told apart from the camera as it is set; and neither is any setting.
+    Nothing is needed where shine does not matter and no remedy adds as much as NEEDED.
     """
     helps = _is_worth_it(best, base)
-    spray = ceiling is not None and _is_worth_it(ceiling, base)
+    if ceiling is not None and not shine and best.right_share - base.right_share < NEEDED:
+        return "nothing needed"
     if helps:
         return "remedy"
-    if spray:
-        return "only spray"
-    return "nothing needed" if ceiling is not None else "nothing helps"
+    return "only spray" if ceiling is not None and _is_worth_it(ceiling, base) else "nothing helps"
 
 
 def _is_worth_it(shares: SurfaceShares, base: SurfaceShares) -> bool:
@@ -173,6 +190,8 @@ def advice_json(advice: Advice) -> dict[str, Any]:
         "poses": advice.poses,
         "seeds": advice.seeds,
         "kind": advice.kind,
+        "shine_matters": advice.shine_matters,
+        "beside": asdict(advice.beside) if advice.beside else None,
         "remedies": [asdict(one) for one in advice.remedies],
         "combinations": [asdict(one) for one in advice.combinations],
         "best": {"levels": advice.best.level, **asdict(advice.best)},
@@ -191,6 +210,8 @@ def read_advice(stored: dict[str, Any]) -> Advice:
         RemedyScore(**best),
         RemedyScore(**stored["ceiling"]) if stored["ceiling"] else None,
         stored["kind"],
+        stored["shine_matters"],
+        RemedyScore(**stored["beside"]) if stored["beside"] else None,
         stored["settings"],
         stored["poses"],
         stored["seeds"],

@@ -62,7 +62,7 @@ def explained_view(scores: ScoreStore, setup: Setup, index: int) -> ExplainedVie
     named = ScoredPose(
         subject=lights.subject, pose=lights.poses[index], roll_deg=lights.roll_deg, seeds=(seed,), setup=setup
     )
-    path = lights.out / EXPLAINED / f"{case_digest('advise causes 1', named)}.npz"
+    path = lights.out / EXPLAINED / f"{case_digest('advise causes 2', named)}.npz"
     if not path.exists():
         part = measured_part(lights, setup, index, seed)
         cause = with_outcome(_causes(scores, setup.first_look, index), part)

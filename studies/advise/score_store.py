@@ -50,7 +50,7 @@ class ScoreStore:
             seeds=self.seeds,
             setup=setup,
         )
-        return self.lights.out / SURFACE_COUNTS / f"{case_digest('advise score 1', scored)}.json"
+        return self.lights.out / SURFACE_COUNTS / f"{case_digest('advise score 2', scored)}.json"
 
     def has(self, setup: Setup, n_poses: int) -> bool:
         """Whether all of the first so many poses are counted."""

@@ -20,8 +20,8 @@ def advice_sentence(advice: Advice, lost_to: Mapping[str, float]) -> str:
     if advice.kind == "remedy":
         would = f"; {_spray_words(spray)} would give {_whole(spray.right_share)} %" if spray else ""
         right = f"right depth on {with_interval(best)} instead of {_whole(base.right_share)} %"
-        text = f"{best.words}: {right}{_false_words(base, best)}{would}."
-        return text[0].upper() + text[1:]
+        matte = "" if advice.shine_matters or not spray else " Shine is not what is in the way."
+        return _sentence(f"{best.words}: {right}{_false_words(base, best)}{would}.{matte}")
     if advice.kind == "only spray" and spray:
         none = "no other remedy is told apart from the camera as it is set, or adds two points"
         return (
@@ -29,11 +29,17 @@ def advice_sentence(advice: Advice, lost_to: Mapping[str, float]) -> str:
             f"{with_interval(spray)} with {_spray_words(spray)}; {none}.{why}"
         )
     if advice.kind == "nothing needed" and spray:
+        beside = advice.beside
+        more = _sentence(f"{beside.words}: {_whole(beside.right_share)} %, as on matte parts.") if beside else ""
         return (
-            f"Nothing is needed: right depth on {with_interval(base)} as the camera is set, and "
-            f"{_spray_words(spray)} would give {_whole(spray.right_share)} %, which is no more or not told apart."
+            f"Nothing is needed against shine: right depth on {with_interval(base)} as the camera is set, and spray "
+            f"adds nothing to any setting, {_whole(spray.right_share)} % at the best. {more}".strip()
         )
     return f"No remedy that was tried helps: right depth on {with_interval(base)} as the camera is set.{why}"
+
+
+def _sentence(text: str) -> str:
+    return text[0].upper() + text[1:]
 
 
 def _spray_words(spray: RemedyScore) -> str:

@@ -50,8 +50,28 @@ def test_what_spray_would_give_is_said_with_the_exposure_that_it_needs():
 def test_nothing_is_needed_where_spray_would_add_nothing():
     """A matte part."""
     advice, _ = advice_from([tried(right=SPRAYED), tried(remedy("spray", "matte"), right=SPRAYED)], 6, 1)
-    assert advice.kind == "nothing needed"
-    assert advice_sentence(advice, {}).startswith("Nothing is needed: right depth on 97 %")
+    assert (advice.kind, advice.beside) == ("nothing needed", None)
+    assert advice_sentence(advice, {}).startswith("Nothing is needed against shine: right depth on 97 %")
+
+
+def test_what_helps_a_matte_part_a_little_is_named_beside():
+    """A turn gains five points of it, and spray none under any exposure that was tried: alone it drowns."""
+    spray, darker, turn = remedy("spray", "matte"), remedy("set-point", "32 DN"), remedy("roll", "90 deg")
+    singles = [tried(spray, right=better(-0.2)), tried(darker, right=better(0.03)), tried(turn, right=better(0.05))]
+    advice, best = advice_from([tried(right=BASE), *singles, tried(spray, darker, right=better(0.03))], 6, 1)
+    assert (advice.kind, advice.shine_matters, best.remedies) == ("nothing needed", False, ())
+    assert advice.beside is not None
+    assert advice.beside.name == "roll"
+    assert advice_sentence(advice, {}).endswith("Turn the camera by 90 deg: 59 %, as on matte parts.")
+
+
+def test_a_matte_part_in_bad_light_needs_a_remedy_that_is_not_against_shine():
+    """Under a darker set-point it gains thirty points, sprayed or not."""
+    spray, darker = remedy("spray", "matte"), remedy("set-point", "32 DN")
+    singles = [tried(spray, right=BASE), tried(darker, right=better(0.3))]
+    advice, best = advice_from([tried(right=BASE), *singles, tried(spray, darker, right=better(0.3))], 6, 1)
+    assert (advice.kind, best.remedies) == ("remedy", (darker,))
+    assert advice_sentence(advice, {}).endswith("Shine is not what is in the way.")
 
 
 def test_a_gain_of_a_point_is_not_worth_a_remedy_though_it_is_told_apart():

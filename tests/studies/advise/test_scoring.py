@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 
 from franbv.frames import Intrinsics
+from materials.catalog import material
+from render.world.truth import Truth
+from scenes.build import coupon_scene
 from studies.advise.scoring import (
     NO_DEPTH,
     RIGHT_DEPTH,
@@ -12,7 +15,7 @@ from studies.advise.scoring import (
     fused_outcome,
     near_part,
 )
-from studies.advise.stored_light import FACINGS, GRAZING_DEG, SeenPart, facings
+from studies.advise.stored_light import FACINGS, SeenPart, facings, seen_part
 from studies.scoring.missing_surface import pixel_areas
 
 
@@ -40,8 +43,23 @@ def test_areas_of_pixels_sum_to_the_surface_that_they_look_at():
         along = fine * z / np.cos(tilt)
         exact = np.trapezoid(2 * 24 / k.fy * z, along)
         assert pixel_areas(
-            depth.astype(float), incidence.astype(float), k, np.cos(np.radians(GRAZING_DEG))
+            depth.astype(float), incidence.astype(float), k, np.cos(np.radians(80.0))
         ).sum() == pytest.approx(exact, rel=2e-3)
+
+
+def test_surface_that_is_too_steep_for_any_matcher_does_not_count():
+    """A plate under 0, 64 and 66 deg, and the table: of the second 1 / cos of the first, of the rest none."""
+    scene = coupon_scene("plate", material("iron:blasted"))
+    body = next(index for index, one in enumerate(scene.bodies) if one.is_part)
+    table = next(index for index, one in enumerate(scene.bodies) if not one.is_part)
+    shape, seen_at = (1, 4), np.radians([[0.0, 64.0, 66.0, 0.0]]).astype(np.float32)
+    yes, up = np.ones(shape, bool), np.broadcast_to(np.float32([0, 0, 1]), (*shape, 3))
+    bodies = np.array([[body, body, body, table]], np.uint8)
+    truth = Truth(np.full(shape, 0.5, np.float32), up, seen_at, bodies, yes, yes, yes)
+    k = Intrinsics(4, 1, 1e6, 1e6, 1.5, 0.0)  # as good as parallel rays
+    face_on = 0.25 / 1e12
+    found = seen_part(truth, scene, k).area
+    np.testing.assert_allclose(found, [[face_on, face_on / np.cos(np.radians(64.0)), 0.0, 0.0]], rtol=1e-5)
 
 
 def test_surface_counts_and_not_pixels():
