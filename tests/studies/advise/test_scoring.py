@@ -53,7 +53,7 @@ def test_surface_that_is_too_steep_for_any_matcher_does_not_count():
     body = next(index for index, one in enumerate(scene.bodies) if one.is_part)
     table = next(index for index, one in enumerate(scene.bodies) if not one.is_part)
     shape, seen_at = (1, 4), np.radians([[0.0, 64.0, 66.0, 0.0]]).astype(np.float32)
-    yes, up = np.ones(shape, bool), np.broadcast_to(np.float32([0, 0, 1]), (*shape, 3))
+    yes, up = np.ones(shape, bool), np.broadcast_to(np.array([0, 0, 1], np.float32), (*shape, 3))
     bodies = np.array([[body, body, body, table]], np.uint8)
     truth = Truth(np.full(shape, 0.5, np.float32), up, seen_at, bodies, yes, yes, yes)
     k = Intrinsics(4, 1, 1e6, 1e6, 1.5, 0.0)  # as good as parallel rays
