@@ -49,7 +49,7 @@ class RemedyFactor:
     """In a word: nothing, resolution, time, motion, handling, money."""
     levels: tuple[Level, ...]
     excludes: tuple[str, ...] = ()
-    """Factors that set the same thing; they do not go together."""
+    """Factors that set the same thing, or act on what this one takes away; they do not go together."""
     is_ceiling: bool = False
     """Changes the part itself: shown as what is possible at the best, not advised as a setting."""
 
@@ -200,6 +200,7 @@ REMEDY_FACTORS: tuple[RemedyFactor, ...] = (
     RemedyFactor(
         "lamps", LightNeed.SCALED, "handling",
         (_set("off", "turn the lamps off", lamp_level=0.0), _set("dim", "dim the lamps to a quarter", lamp_level=0.25)),
+        ("placing of lamps", "band-pass filter"),  # which take away or move what is off
     ),
     RemedyFactor(
         "spray", LightNeed.NEW, "handling and cleaning",
