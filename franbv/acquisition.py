@@ -32,7 +32,8 @@ class Acquisition:
     burst: DepthBurst
     """As the camera gave it; its pose is `burst.T_world_cam`."""
     points: Float[np.ndarray, "n 3"]
-    """Points of the burst's median depth in the workspace and above the table, world frame [m]."""
+    """Points of the burst's median depth, as far as the planner keeps it, in the workspace and above the table, world
+    frame [m]."""
     model: Model
     """Map, object and ellipsoids with this burst in them."""
     utility: float | None

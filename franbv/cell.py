@@ -150,7 +150,7 @@ class PlanningCell:
         gammas: tuple[float, float] | None = None,
     ) -> None:
         """Keep the acquisition and show it to the observer. recovery: what it sets off; gammas: Gamma and attained."""
-        depth = burst.median_depth(self.parameters.invalid_share)
+        depth = self.planner.points(burst, self.parameters)
         points = burst.T_world_cam.apply(back_project(depth, burst.intrinsics))
         missing = self._missing(model)
         spent = self.clock.read()

@@ -43,11 +43,17 @@ Judge = Callable[[Model, Model, OrientedBox, Parameters], tuple[float, float]]
 Stop = Callable[[Model, Sequence[float], Parameters], StopReason | None]
 Candidates = Callable[[Model, Parameters, float], list[RigidTransform]]
 Missing = Callable[[Model, Parameters], float]
+Points = Callable[[DepthBurst, Parameters], Float[np.ndarray, "h w"]]
 
 
 def ring_candidates(model: Model, parameters: Parameters, azimuth_offset: float) -> list[RigidTransform]:
     """The paper's: rings around the object's box (section III-C)."""
     return candidate_poses(model.object.box, parameters, azimuth_offset)
+
+
+def all_depth(burst: DepthBurst, parameters: Parameters) -> Float[np.ndarray, "h w"]:
+    """The burst's median depth [m], 0 = frequently invalid."""
+    return burst.median_depth(parameters.invalid_share)
 
 
 def stop_by_stagnation(model: Model, best_utilities: Sequence[float], parameters: Parameters) -> StopReason | None:
@@ -98,6 +104,8 @@ class Planner:
     """(model, utilities of the views chosen so far, parameters) -> the rule that ends the run, or None."""
     detect: Detect | None = None
     """Regions that are named and shown, of a planner that recovers none by itself; a `recovery` has its own."""
+    points: Points = all_depth
+    """(burst, parameters) -> depth that becomes points of the cloud [m], 0 = none."""
     missing: Missing | None = None
     """(model, parameters) -> share of the surface that it believes the map still lacks [0, 1]; None: it has no idea."""
 

@@ -10,8 +10,8 @@ from docs.figures.page_picture import write_figures, write_page_picture
 from studies.advise.command import rebuild
 from studies.advise.stored_advice import read_stored_advice
 
-SIZE, SCALE = (1280, 2300), 0.7
-"""Of the window [px], and pixels of the picture per pixel of it."""
+SIZE, SCALE = (1280, 1130), 0.7
+"""Of the window [px], which shows the answer and the first thirty remedies, and its scale in the picture."""
 
 
 def main(folder: Path) -> None:

@@ -17,13 +17,15 @@ from franbv.robust.choice import gain_per_second, robust_candidates
 from franbv.robust.evidence import EvidenceMap, integrate_robustly
 from franbv.robust.hypothesis import Hypothesis, hypothesis, missing_share
 from franbv.robust.regions import detect_robustly
+from franbv.robust.scans import mixed_blocks
 from franbv.robust.settings import RobustSettings
 from franbv.sensing import DepthBurst
 from franbv.stopping import StopReason
 from franbv.voxel_map import VoxelMap
 
 RobustChange = Literal["map", "views"]
-"""What fra-robust has in another way than PB-NBV: the map, and where to look next or whether at all."""
+"""What fra-robust has in another way than PB-NBV: the map, with what becomes of its cloud, and where to look next or
+whether at all."""
 
 
 def fra_robust(settings: RobustSettings | None = None) -> Planner:
@@ -63,11 +65,15 @@ def partly_robust(planner: Planner, changes: Sequence[RobustChange], settings: R
     def stop(model: Model, best_utilities: Sequence[float], parameters: Parameters) -> StopReason | None:
         return little_to_gain(best_utilities, left(model, parameters), parameters, settings)
 
+    def unmixed(burst: DepthBurst, parameters: Parameters) -> Float[np.ndarray, "h w"]:
+        depth = burst.median_depth(parameters.invalid_share)
+        return np.where(mixed_blocks(depth, settings.mixed_step), 0.0, depth)
+
     def missing(model: Model, parameters: Parameters) -> float:
         return missing_share(model, left(model, parameters), settings)
 
     if "map" in changes:
-        planner = replace(planner, integrate=integrate)
+        planner = replace(planner, integrate=integrate, points=unmixed)
     if "views" in changes:
         planner = replace(planner, candidates=candidates, score=score, stop=stop)
     return replace(planner, missing=missing) if set(get_args(RobustChange)) <= set(changes) else planner

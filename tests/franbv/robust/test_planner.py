@@ -11,6 +11,7 @@ from franbv.robust.evidence import EvidenceMap
 from franbv.robust.hypothesis import Hypothesis
 from franbv.robust.planner import fra_robust, little_to_gain, partly_robust
 from franbv.robust.settings import RobustSettings
+from franbv.sensing import DepthBurst
 from franbv.stopping import StopReason
 from franbv.voxel_map import empty_map
 from tests.franbv.analytic_camera import AnalyticCamera
@@ -25,6 +26,20 @@ def model_after_one_view(planner):
     burst = AnalyticCamera((BOX,), room=ROOM).capture(pose, 1)
     seed = np.random.SeedSequence(0)
     return model_of(planner.integrate(empty_map(PARAMETERS), burst, PARAMETERS), planner, PARAMETERS, seed), burst
+
+
+def test_blocks_that_mix_near_and_far_are_no_points_of_the_cloud():
+    """A pixel between a thin part and the table behind it; PB-NBV keeps it, and so do the views alone."""
+    _, burst = model_after_one_view(pb())
+    depth = np.full(burst.depths.shape[1:], 0.40)
+    depth[:, 30:32], depth[:, 32] = 0.30, 0.35  # near, and the mean of near and far
+    mixed = DepthBurst(depth[None], burst.intrinsics, burst.T_world_cam)
+    for planner in (pb(), partly_robust(pb(), ("views",))):
+        np.testing.assert_array_equal(planner.points(mixed, PARAMETERS), depth)
+    for planner in (fra_robust(), partly_robust(fra(), ("map",))):
+        kept = planner.points(mixed, PARAMETERS)
+        assert not kept[:, 32].any()
+        np.testing.assert_array_equal(np.delete(kept, 32, axis=1), np.delete(depth, 32, axis=1))
 
 
 @pytest.mark.parametrize("base", [pb, fra])
