@@ -14,16 +14,22 @@ from scipy import stats
 from studies.advise.advice import RemedyScore
 from studies.advise.setup import Setup
 from studies.mitigations.answers import CaseAnswer
-from studies.mitigations.tallies import VERDICTS, counted_verdicts, told_verdict
+from studies.mitigations.tallies import TOLD_VERDICTS, counted_verdicts, told_verdict
 from studies.statistics.intervals import CONFIDENCE
 from studies.statistics.medians import MedianEstimate, median_interval
 
-NEARLY = 0.8
-"""Share of cases that is `nearly everywhere` (choice: four in five)."""
+NEARLY, SELDOM = 0.8, 0.2
+"""Shares of cases from which on advice is right nearly everywhere, and up to which it is wrong there (choice: four in
+five, and one in five)."""
 LEAST_EXPLAINED = 0.1
 """Variance between cases that a material's finish, metal or shape must explain to be named [0, 1] (choice: below it
 looks like chance with a dozen groups)."""
-RIGHT, WRONG, DEPENDS, UNTRIED = "right nearly everywhere", "wrong nearly everywhere", "depends", "not tried"
+NEARLY_RIGHT, NEARLY_WRONG, DEPENDS, UNTRIED = (
+    "right nearly everywhere",
+    "wrong nearly everywhere",
+    "depends",
+    "not tried",
+)
 """Verdicts."""
 
 Meant = Callable[[RemedyScore, Setup, Setup], bool]
@@ -58,7 +64,7 @@ class JudgedAdvice:
     gain: MedianEstimate | None
     """Mean over its remedies, median over cases; None without cases."""
     verdict: str
-    """RIGHT, WRONG, DEPENDS or UNTRIED."""
+    """NEARLY_RIGHT, NEARLY_WRONG, DEPENDS or UNTRIED."""
     by: str
     """What it depends on most: `finish`, `metal` or `coupon`; empty where nothing stands out."""
     groups: tuple[tuple[str, float, int], ...]
@@ -117,10 +123,10 @@ COMMON_ADVICE = (
 
 def judged_advice(answers: Sequence[CaseAnswer]) -> list[JudgedAdvice]:
     """All pieces, in their order."""
-    return [judged(piece, answers) for piece in COMMON_ADVICE]
+    return [judged_piece(piece, answers) for piece in COMMON_ADVICE]
 
 
-def judged(piece: PieceOfAdvice, answers: Sequence[CaseAnswer]) -> JudgedAdvice:
+def judged_piece(piece: PieceOfAdvice, answers: Sequence[CaseAnswer]) -> JudgedAdvice:
     """One piece over the cases that need help and in which it was tried."""
     found = [
         (answer, scores)
@@ -129,12 +135,12 @@ def judged(piece: PieceOfAdvice, answers: Sequence[CaseAnswer]) -> JudgedAdvice:
         if (scores := _meant(piece, answer))
     ]
     if not found:
-        return JudgedAdvice(piece.words, (), 0, dict.fromkeys(VERDICTS, 0), 0.0, 0.0, 1.0, None, UNTRIED, "", ())
+        return JudgedAdvice(piece.words, (), 0, dict.fromkeys(TOLD_VERDICTS, 0), 0.0, 0.0, 1.0, None, UNTRIED, "", ())
     helped = [sum(told_verdict(score) == "helps" for score in scores) / len(scores) for _, scores in found]
     every = [score for _, scores in found for score in scores]
     share = sum(helped) / len(helped)
     low, high = share_interval(share, len(helped))
-    verdict = RIGHT if share >= NEARLY else WRONG if share <= 1 - NEARLY else DEPENDS
+    verdict = NEARLY_RIGHT if share >= NEARLY else NEARLY_WRONG if share <= SELDOM else DEPENDS
     by, groups = what_explains([answer for answer, _ in found], helped) if verdict == DEPENDS else ("", ())
     return JudgedAdvice(
         piece.words,

@@ -15,7 +15,7 @@ from studies.mitigations.common_advice import JudgedAdvice, judged_advice
 from studies.mitigations.polarised import PolarisedMaterial, polarised_materials
 from studies.mitigations.preset import MitigationsPreset
 from studies.mitigations.sentences import advice_verdict_words, study_paragraph
-from studies.mitigations.tallies import Tally, is_winner, tallies, told_verdict
+from studies.mitigations.tallies import RemedyTally, is_winner, tallies, told_verdict
 from studies.run.stored_run import REPORT
 from studies.store.tables import write_rows
 from studies.work.workers import Failure
@@ -33,7 +33,7 @@ class MitigationsFindings:
     answers: list[CaseAnswer]
     planned: int
     """Cases."""
-    remedies: list[Tally]
+    remedies: list[RemedyTally]
     advice: list[JudgedAdvice]
     polarised: list[PolarisedMaterial]
     paragraph: str

@@ -7,12 +7,12 @@ from studies.advise.advice import WORTH_IT, RemedyScore
 from studies.mitigations.answers import CaseAnswer
 from studies.statistics.medians import MedianEstimate, median_interval
 
-VERDICTS = ("helps", "level", "trades", "hurts")
+TOLD_VERDICTS = ("helps", "level", "trades", "hurts")
 """Of a remedy on a case, as `told_verdict` says them."""
 
 
 @dataclass(frozen=True)
-class Tally:
+class RemedyTally:
     """One remedy over the cases in which it was tried."""
 
     name: str
@@ -30,7 +30,7 @@ class Tally:
     """Right share beyond the camera as it is set, median over cases with its 95 % interval over them."""
 
 
-def tallies(answers: Sequence[CaseAnswer]) -> list[Tally]:
+def tallies(answers: Sequence[CaseAnswer]) -> list[RemedyTally]:
     """Those that win most cases first, then by their median gain."""
     by_name: dict[str, list[tuple[CaseAnswer, RemedyScore]]] = {}
     for answer in answers:
@@ -40,9 +40,9 @@ def tallies(answers: Sequence[CaseAnswer]) -> list[Tally]:
     return sorted(found, key=lambda one: (one.is_ceiling, -one.wins, -one.gain.value, one.name))
 
 
-def _tally(name: str, pairs: Sequence[tuple[CaseAnswer, RemedyScore]]) -> Tally:
+def _tally(name: str, pairs: Sequence[tuple[CaseAnswer, RemedyScore]]) -> RemedyTally:
     scores = [score for _, score in pairs]
-    return Tally(
+    return RemedyTally(
         name,
         scores[0].words,
         scores[0].cost,
@@ -69,4 +69,4 @@ def told_verdict(score: RemedyScore) -> str:
 def counted_verdicts(scores: Sequence[RemedyScore]) -> dict[str, int]:
     """How many there are of each."""
     told = [told_verdict(score) for score in scores]
-    return {verdict: told.count(verdict) for verdict in VERDICTS}
+    return {verdict: told.count(verdict) for verdict in TOLD_VERDICTS}

@@ -4,19 +4,19 @@ from collections.abc import Iterator
 
 from studies.base.numbers_as_text import counted
 from studies.drawing.templates import environment, page_style
-from studies.mitigations.common_advice import COMMON_ADVICE, RIGHT, UNTRIED, WRONG, JudgedAdvice
+from studies.mitigations.common_advice import COMMON_ADVICE, NEARLY_RIGHT, NEARLY_WRONG, UNTRIED, JudgedAdvice
 from studies.mitigations.evaluation import MitigationsFindings
 from studies.mitigations.polarised import PolarisedMaterial
 from studies.mitigations.preset import MitigationsPreset
 from studies.mitigations.report.map_figure import case_line, map_figure, winner_colours
 from studies.mitigations.report.verdict_figure import verdict_figure
 from studies.mitigations.sentences import depends_words, firmness_words, poses_caveat
-from studies.mitigations.tallies import VERDICTS
+from studies.mitigations.tallies import TOLD_VERDICTS
 from studies.run.report.page import flattened
 from studies.sensitivity.trust import spoken, together
 from studies.statistics.medians import MedianEstimate
 
-VERDICT_CLASSES = {RIGHT: "helps", WRONG: "hurts", UNTRIED: "level"}
+VERDICT_CLASSES = {NEARLY_RIGHT: "helps", NEARLY_WRONG: "hurts", UNTRIED: "level"}
 """Colours of verdicts on advice; others have that of what depends."""
 
 
@@ -56,7 +56,7 @@ def mitigation_tiles(found: MitigationsFindings) -> Iterator[tuple[str, str, str
     judged = [one for one in found.advice if one.verdict != UNTRIED]
     yield f"{len(found.answers):,}", "cases", f"of {found.planned:,}; {len(found.remedies)} remedies on each"
     yield f"{len(won):,}", "a remedy wins", f"of {len(needing):,} in which anything gains right depth"
-    for verdict in (RIGHT, WRONG):
+    for verdict in (NEARLY_RIGHT, NEARLY_WRONG):
         number = sum(one.verdict == verdict for one in judged)
         yield f"{number}", verdict, f"of {len(judged)} pieces of advice, of {len(COMMON_ADVICE)} that are known"
 
@@ -72,21 +72,21 @@ def advice_row(one: JudgedAdvice) -> dict[str, str]:
         "klass": VERDICT_CLASSES.get(one.verdict, "trades"),
         "firmness": firmness_words(one).strip(" ,") if tried else "",
         "share": f"{100 * one.share:.0f} % ({100 * one.low:.0f}-{100 * one.high:.0f})" if tried else "",
-        "counts": " / ".join(f"{told[verdict]}" for verdict in VERDICTS) if tried else "",
-        "gain": points(one.gain) if one.gain else "",
+        "counts": " / ".join(f"{told[verdict]}" for verdict in TOLD_VERDICTS) if tried else "",
+        "gain": gain_points(one.gain) if one.gain else "",
         "depends": depends_words(one),
     }
 
 
 def polarised_row(row: PolarisedMaterial, ways: list[str]) -> list[str]:
     """One material."""
-    gains = [points(row.gains[way]) if way in row.gains else "" for way in ways]
+    gains = [gain_points(row.gains[way]) if way in row.gains else "" for way in ways]
     reflectances = (f"{row.reflectance_s:.3f}", f"{row.reflectance_p:.3f}")
     number = max((one.count for one in row.gains.values()), default=0)
     return [spoken(row.name), *reflectances, f"{100 * row.degree:.1f} %", f"{number}" if number else "", *gains]
 
 
-def points(gain: MedianEstimate) -> str:
+def gain_points(gain: MedianEstimate) -> str:
     """In points, with the interval where there is one."""
     if gain.count == 1:
         return f"{100 * gain.value:+.1f}"

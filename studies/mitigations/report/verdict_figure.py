@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from markupsafe import Markup
 
 from studies.drawing import svg
-from studies.mitigations.tallies import VERDICTS, Tally
+from studies.mitigations.tallies import TOLD_VERDICTS, RemedyTally
 
 _LEFT, _RIGHT, _TOP, _STEP, _BAR = 400, 900, 40, 20, 13
 
 
-def verdict_figure(found: Sequence[Tally]) -> Markup:
+def verdict_figure(found: Sequence[RemedyTally]) -> Markup:
     """A bar of cases for each, its median gain with the interval over cases beside it."""
     x = svg.Scale(0, 100, _LEFT, _RIGHT)
     bottom = _TOP + _STEP * len(found) + 4
@@ -25,9 +25,9 @@ def verdict_figure(found: Sequence[Tally]) -> Markup:
     )
 
 
-def _tally_row(one: Tally, y: float, x: svg.Scale) -> Markup:
+def _tally_row(one: RemedyTally, y: float, x: svg.Scale) -> Markup:
     bars, done = [], 0.0
-    for verdict in VERDICTS:
+    for verdict in TOLD_VERDICTS:
         share = 100 * one.counts[verdict] / one.cases
         if share:
             bars.append(
@@ -38,7 +38,7 @@ def _tally_row(one: Tally, y: float, x: svg.Scale) -> Markup:
         done += share
     label = svg.text(_LEFT - 12, y + 11, one.name, "tick-label end")
     gain = f"{100 * one.gain.value:+.1f} ({100 * one.gain.low:+.1f} to {100 * one.gain.high:+.1f})"
-    told = ", ".join(f"{verdict} {one.counts[verdict]}" for verdict in VERDICTS)
+    told = ", ".join(f"{verdict} {one.counts[verdict]}" for verdict in TOLD_VERDICTS)
     return svg.marked(
         svg.join(
             label,
