@@ -13,7 +13,7 @@ from studies.mitigations.report.verdict_figure import verdict_figure
 from studies.mitigations.sentences import depends_words, firmness_words, poses_caveat
 from studies.mitigations.tallies import TOLD_VERDICTS
 from studies.run.report.page import flattened
-from studies.sensitivity.trust import spoken, together
+from studies.sensitivity.trust import spoken
 from studies.statistics.medians import MedianEstimate
 
 VERDICT_CLASSES = {NEARLY_RIGHT: "helps", NEARLY_WRONG: "hurts", UNTRIED: "level"}
@@ -23,7 +23,7 @@ VERDICT_CLASSES = {NEARLY_RIGHT: "helps", NEARLY_WRONG: "hurts", UNTRIED: "level
 def mitigations_html(preset: MitigationsPreset, found: MitigationsFindings) -> str:
     """The whole page."""
     colours = winner_colours(found.answers)
-    by_coupon = together(found.answers, lambda answer: answer.case.coupon)
+    coupons = dict.fromkeys(answer.case.coupon for answer in found.answers)
     ways = list(dict.fromkeys(way for row in found.polarised for way in row.gains))
     return (
         environment("studies.mitigations.report")
@@ -34,7 +34,10 @@ def mitigations_html(preset: MitigationsPreset, found: MitigationsFindings) -> s
             measured=len(found.answers),
             planned=found.planned,
             tiles=list(mitigation_tiles(found)),
-            maps=[map_figure(spoken(str(coupon)), group, colours) for coupon, group in by_coupon.items()],
+            maps=[
+                map_figure(spoken(name), [one for one in found.answers if one.case.coupon == name], colours)
+                for name in coupons
+            ],
             colours=[(name, "rgb({}, {}, {})".format(*colour)) for name, colour in colours.items()],
             advice=[advice_row(one) for one in found.advice],
             verdicts=verdict_figure(found.remedies) if found.remedies else "",

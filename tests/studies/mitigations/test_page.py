@@ -1,4 +1,4 @@
-"""The page of a study of mitigations: silent, without network, and true to the numbers; tables and summary beside it."""
+"""The page of a study of mitigations: silent, without network, true to the numbers; tables and summary beside it."""
 
 import json
 from pathlib import Path
