@@ -1,7 +1,7 @@
 """What the finished cases of a study of mitigations say: tables, summary and page, made anew from its folder."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +11,10 @@ from studies.base.console import strict_json
 from studies.mitigations.answers import CaseAnswer, stored_answers
 from studies.mitigations.cases import MitigationCase
 from studies.mitigations.columns import CASE_REMEDY_COLUMNS, MITIGATION_VIEW_COLUMNS
-from studies.mitigations.common_advice import JudgedAdvice, judged_advice
-from studies.mitigations.polarised import PolarisedMaterial, polarised_materials
+from studies.mitigations.findings import MitigationsFindings
 from studies.mitigations.preset import MitigationsPreset
-from studies.mitigations.sentences import advice_verdict_words, study_paragraph
-from studies.mitigations.tallies import RemedyTally, is_winner, tallies, told_verdict
+from studies.mitigations.sentences import advice_verdict_words
+from studies.mitigations.tallies import is_winner, told_verdict
 from studies.run.stored_run import REPORT
 from studies.store.tables import write_rows
 from studies.work.workers import Failure
@@ -24,26 +23,6 @@ MITIGATIONS_SUMMARY = "summary.json"
 """All figures, in the output folder."""
 MITIGATION_TABLES = ("views.parquet", "remedies.parquet")
 """Counts of every view; every remedy on every case."""
-
-
-@dataclass(frozen=True, eq=False)
-class MitigationsFindings:
-    """All that is told."""
-
-    answers: list[CaseAnswer]
-    planned: int
-    """Cases."""
-    remedies: list[RemedyTally]
-    advice: list[JudgedAdvice]
-    polarised: list[PolarisedMaterial]
-    paragraph: str
-
-    @classmethod
-    def of(cls, answers: list[CaseAnswer], planned: int) -> "MitigationsFindings":
-        """Of the cases that are finished."""
-        found = tallies(answers)
-        words = study_paragraph(answers, found)
-        return cls(answers, planned, found, judged_advice(answers), polarised_materials(answers), words)
 
 
 def evaluate_mitigations(

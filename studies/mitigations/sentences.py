@@ -65,8 +65,8 @@ def advice_verdict_words(one: JudgedAdvice) -> str:
     """Its verdict, how firm that is, and what it depends on."""
     if one.verdict == UNTRIED or one.gain is None:
         return "not tried on any case that needs help"
-    depends = "".join(f"; {words}" for words in (depends_words(one),) if words)
-    return f"{one.verdict}{firmness_words(one)}: {_counts_words(one)}{_harm_words(one)}{depends}."
+    clauses = [_counts_words(one), *harm_words(one), depends_words(one)]
+    return f"{one.verdict}{firmness_words(one)}: {'; '.join(filter(None, clauses))}."
 
 
 def firmness_words(one: JudgedAdvice) -> str:
@@ -84,14 +84,14 @@ def _counts_words(one: JudgedAdvice) -> str:
     return f"helps in {100 * one.share:.0f} % ({interval}) of {counted(one.cases, 'case')}{part}, {gain}"
 
 
-def _harm_words(one: JudgedAdvice) -> str:
+def harm_words(one: JudgedAdvice) -> list[str]:
+    """In how many cases it hurts or makes depth up; nothing of what it does nowhere."""
     whole = sum(one.counts.values())
-    harms = [
+    return [
         f"{words} in {100 * one.counts[name] / whole:.0f} %"
         for name, words in (("hurts", "hurts"), ("trades", "adds more false depth than right depth"))
         if one.counts[name]
     ]
-    return "".join(f"; {harm}" for harm in harms)
 
 
 def depends_words(one: JudgedAdvice) -> str:

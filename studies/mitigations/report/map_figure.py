@@ -16,9 +16,10 @@ from studies.sensitivity.trust import spoken
 
 WINNER_COLOURS = (
     (44, 108, 176), (217, 123, 22), (31, 140, 120), (200, 69, 59), (138, 90, 168), (164, 144, 92), (90, 100, 114),
-    (199, 120, 170), (111, 168, 160), (120, 140, 40),
+    (199, 120, 170), (60, 170, 200), (120, 140, 40), (100, 80, 60), (240, 180, 60), (60, 60, 160), (150, 40, 90),
+    (90, 190, 90), (150, 160, 175), (230, 130, 110),
 )  # fmt: skip
-"""Of the factors that win anywhere, in the table's order; those beyond the last begin again."""
+"""Of the factors that win anywhere, in the table's order, one for each that can."""
 FULL_GAIN = 0.5
 """Gain from which on a cell has its factor's full colour (choice: what halves the missing surface of a bad case)."""
 PALEST, STRONGEST = 0.18, 0.62
@@ -27,7 +28,7 @@ NO_FINISH = "as it is"
 """Column of what is no metal."""
 ROW_PX = 34
 """Height of a cell [px]: two lines."""
-LETTERS = 7.0
+LETTERS = 6.6
 """Width of a letter of a cell's first line, generously [px]."""
 _LABELS, _TOP = 150, 54
 SHORT_NAMES = {
@@ -37,6 +38,8 @@ SHORT_NAMES = {
     "placing of lamps": "lamps {level}", "band-pass filter": "band-pass", "tilt of the part": "tilt {level}",
 }  # fmt: skip
 """What cells call a remedy, where factor and level together are too long."""
+SHORTER = (("_", " "), (" times", "x"), (" DN", ""), ("on the ", "on "), ("recommended chain", "chain"))
+"""What is shortened of a level's name there."""
 
 
 def map_figure(title: str, answers: Sequence[CaseAnswer], colours: Mapping[str, tuple[int, int, int]]) -> Markup:
@@ -97,7 +100,7 @@ def _cell(answer: CaseAnswer, x: float, y: float, width: float, colours: Mapping
     middle = x + width / 2 - 1
     lines = (
         svg.text(middle, y + 14, first, "cell-name" if winner else "cell-name none"),
-        svg.text(middle, y + 27, f"{shares} %{ceiling}", "cell-shares"),
+        svg.text(middle, y + 27, f"{shares}{ceiling}", "cell-shares"),
     )
     return svg.marked(svg.join(box, *lines), cell_words(answer))
 
@@ -108,7 +111,9 @@ CELL_FILLS = {"only spray": "url(#hatched)", "nothing needed": "#eef3ee", "nothi
 
 def short_name(score: RemedyScore, letters: int) -> str:
     """What a cell calls a remedy, cut to its width."""
-    level = score.level.replace("_", " ").replace(" times", "x")
+    level = score.level
+    for long, short in SHORTER:
+        level = level.replace(long, short)
     name = SHORT_NAMES.get(score.name, "{factor} {level}").format(factor=score.name, level=level)
     return name if len(name) <= letters else f"{name[: letters - 1].rstrip(' ,')}\u2026"
 

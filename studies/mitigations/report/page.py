@@ -4,13 +4,13 @@ from collections.abc import Iterator
 
 from studies.base.numbers_as_text import counted
 from studies.drawing.templates import environment, page_style
-from studies.mitigations.common_advice import COMMON_ADVICE, NEARLY_RIGHT, NEARLY_WRONG, UNTRIED, JudgedAdvice
-from studies.mitigations.evaluation import MitigationsFindings
+from studies.mitigations.common_advice import NEARLY_RIGHT, NEARLY_WRONG, UNTRIED, JudgedAdvice
+from studies.mitigations.findings import MitigationsFindings
 from studies.mitigations.polarised import PolarisedMaterial
 from studies.mitigations.preset import MitigationsPreset
 from studies.mitigations.report.map_figure import case_line, map_figure, winner_colours
 from studies.mitigations.report.verdict_figure import verdict_figure
-from studies.mitigations.sentences import depends_words, firmness_words, poses_caveat
+from studies.mitigations.sentences import depends_words, firmness_words, harm_words, poses_caveat
 from studies.mitigations.tallies import TOLD_VERDICTS
 from studies.run.report.page import flattened
 from studies.sensitivity.trust import spoken
@@ -61,7 +61,7 @@ def mitigation_tiles(found: MitigationsFindings) -> Iterator[tuple[str, str, str
     yield f"{len(won):,}", "a remedy wins", f"of {len(needing):,} in which anything gains right depth"
     for verdict in (NEARLY_RIGHT, NEARLY_WRONG):
         number = sum(one.verdict == verdict for one in judged)
-        yield f"{number}", verdict, f"of {len(judged)} pieces of advice, of {len(COMMON_ADVICE)} that are known"
+        yield f"{number}", verdict, f"of {counted(len(judged), 'piece')} of common advice that were tried"
 
 
 def advice_row(one: JudgedAdvice) -> dict[str, str]:
@@ -77,7 +77,7 @@ def advice_row(one: JudgedAdvice) -> dict[str, str]:
         "share": f"{100 * one.share:.0f} % ({100 * one.low:.0f}-{100 * one.high:.0f})" if tried else "",
         "counts": " / ".join(f"{told[verdict]}" for verdict in TOLD_VERDICTS) if tried else "",
         "gain": gain_points(one.gain) if one.gain else "",
-        "depends": depends_words(one),
+        "beside": "; ".join(filter(None, (depends_words(one), *harm_words(one)))),
     }
 
 
