@@ -24,13 +24,13 @@ five, and one in five)."""
 LEAST_EXPLAINED = 0.1
 """Variance between cases that a material's finish, metal or shape must explain to be named [0, 1] (choice: below it
 looks like chance with a dozen groups)."""
-NEARLY_RIGHT, NEARLY_WRONG, DEPENDS, UNTRIED = (
-    "right nearly everywhere",
-    "wrong nearly everywhere",
-    "depends",
-    "not tried",
-)
-"""Verdicts."""
+MAJORITY = 0.5
+"""Share of cases that is most of them."""
+FEW_CASES = 6
+"""Of fewer cases nothing is said (choice: all of five alike leave a half within the interval, 0.5^5 being 3.1 %)."""
+NEARLY_RIGHT, NEARLY_WRONG = "right nearly everywhere", "wrong nearly everywhere"
+DEPENDS, TOO_FEW_CASES, UNTRIED = "depends", "too few cases to say", "not tried"
+"""Verdicts. That of advice which is right or wrong nearly everywhere needs an interval on one side of a half."""
 
 Meant = Callable[[RemedyScore, Setup, Setup], bool]
 """Whether a remedy is what the advice means; the setups are that of the camera as it is set, and with the remedy."""
@@ -64,7 +64,7 @@ class JudgedAdvice:
     gain: MedianEstimate | None
     """Mean over its remedies, median over cases; None without cases."""
     verdict: str
-    """NEARLY_RIGHT, NEARLY_WRONG, DEPENDS or UNTRIED."""
+    """NEARLY_RIGHT, NEARLY_WRONG, DEPENDS, TOO_FEW_CASES or UNTRIED."""
     by: str
     """What it depends on most: `finish`, `metal` or `coupon`; empty where nothing stands out."""
     groups: tuple[tuple[str, float, int], ...]
@@ -140,7 +140,7 @@ def judged_piece(piece: PieceOfAdvice, answers: Sequence[CaseAnswer]) -> JudgedA
     every = [score for _, scores in found for score in scores]
     share = sum(helped) / len(helped)
     low, high = share_interval(share, len(helped))
-    verdict = NEARLY_RIGHT if share >= NEARLY else NEARLY_WRONG if share <= SELDOM else DEPENDS
+    verdict = advice_verdict(share, low, high, len(found))
     by, groups = what_explains([answer for answer, _ in found], helped) if verdict == DEPENDS else ("", ())
     return JudgedAdvice(
         piece.words,
@@ -155,6 +155,17 @@ def judged_piece(piece: PieceOfAdvice, answers: Sequence[CaseAnswer]) -> JudgedA
         by,
         groups,
     )
+
+
+def advice_verdict(share: float, low: float, high: float, cases: int) -> str:
+    """Of a share of cases in which advice helps, with its interval."""
+    if cases < FEW_CASES:
+        return TOO_FEW_CASES
+    if share >= NEARLY:
+        return NEARLY_RIGHT if low > MAJORITY else TOO_FEW_CASES
+    if share <= SELDOM:
+        return NEARLY_WRONG if high < MAJORITY else TOO_FEW_CASES
+    return DEPENDS
 
 
 def _meant(piece: PieceOfAdvice, answer: CaseAnswer) -> list[RemedyScore]:

@@ -7,16 +7,12 @@ from studies.advise.advice import WORTH_IT, joined_words
 from studies.advise.sentences import POSES_FOR_INTERVALS
 from studies.base.numbers_as_text import counted
 from studies.mitigations.answers import CaseAnswer
-from studies.mitigations.common_advice import DEPENDS, NEARLY_RIGHT, NEARLY_WRONG, SELDOM, UNTRIED, JudgedAdvice
+from studies.mitigations.common_advice import DEPENDS, MAJORITY, SELDOM, UNTRIED, JudgedAdvice
 from studies.mitigations.tallies import RemedyTally
 from studies.sensitivity.trust import spoken
 
 MOST_WINNERS = 3
 """Remedies that the first sentence names (choice: what is remembered)."""
-FEW_CASES = 6
-"""Fewer cases than that settle nothing: all alike, they leave a half within the interval (choice: 0.5^6 is 1.6 %)."""
-MOSTLY_FROM = 0.5
-"""Share of a group's cases from which on advice helps there mostly (choice: half)."""
 
 
 def study_paragraph(answers: Sequence[CaseAnswer], found: Sequence[RemedyTally]) -> str:
@@ -62,18 +58,11 @@ def advice_lines(found: Sequence[JudgedAdvice]) -> list[str]:
 
 
 def advice_verdict_words(one: JudgedAdvice) -> str:
-    """Its verdict, how firm that is, and what it depends on."""
+    """Its verdict, the figures that it rests on, and what it depends on."""
     if one.verdict == UNTRIED or one.gain is None:
         return "not tried on any case that needs help"
     clauses = [_counts_words(one), *harm_words(one), depends_words(one)]
-    return f"{one.verdict}{firmness_words(one)}: {'; '.join(filter(None, clauses))}."
-
-
-def firmness_words(one: JudgedAdvice) -> str:
-    """What a verdict needs to be read with, where cases are few."""
-    half_way = {NEARLY_RIGHT: one.low <= MOSTLY_FROM, NEARLY_WRONG: one.high >= MOSTLY_FROM}.get(one.verdict, False)
-    few = one.cases < FEW_CASES or half_way
-    return f" in the {counted(one.cases, 'case')} at hand, too few to say so of others" if few else ""
+    return f"{one.verdict}: {'; '.join(filter(None, clauses))}."
 
 
 def _counts_words(one: JudgedAdvice) -> str:
@@ -98,7 +87,7 @@ def depends_words(one: JudgedAdvice) -> str:
     """Where it helps and where not; empty where nothing stands out."""
     if one.verdict != DEPENDS or not one.by:
         return ""
-    mostly = [spoken(name) for name, share, _ in one.groups if share >= MOSTLY_FROM]
+    mostly = [spoken(name) for name, share, _ in one.groups if share >= MAJORITY]
     seldom = [spoken(name) for name, share, _ in one.groups if share <= SELDOM]
     words = [f"mostly on {joined_words(mostly)}"] if mostly else []
     words += [f"seldom on {joined_words(seldom)}"] if seldom else []

@@ -38,7 +38,7 @@ SHORT_NAMES = {
     "placing of lamps": "lamps {level}", "band-pass filter": "band-pass", "tilt of the part": "tilt {level}",
 }  # fmt: skip
 """What cells call a remedy, where factor and level together are too long."""
-SHORTER = (("_", " "), (" times", "x"), (" DN", ""), ("on the ", "on "), ("recommended chain", "chain"))
+SHORTER = (("_", " "), (" times", "x"), (" DN", ""), ("on the imagers", "at lens"), ("recommended chain", "chain"))
 """What is shortened of a level's name there."""
 
 

@@ -4,19 +4,19 @@ from collections.abc import Iterator
 
 from studies.base.numbers_as_text import counted
 from studies.drawing.templates import environment, page_style
-from studies.mitigations.common_advice import NEARLY_RIGHT, NEARLY_WRONG, UNTRIED, JudgedAdvice
+from studies.mitigations.common_advice import NEARLY_RIGHT, NEARLY_WRONG, TOO_FEW_CASES, UNTRIED, JudgedAdvice
 from studies.mitigations.findings import MitigationsFindings
 from studies.mitigations.polarised import PolarisedMaterial
 from studies.mitigations.preset import MitigationsPreset
 from studies.mitigations.report.map_figure import case_line, map_figure, winner_colours
 from studies.mitigations.report.verdict_figure import verdict_figure
-from studies.mitigations.sentences import depends_words, firmness_words, harm_words, poses_caveat
+from studies.mitigations.sentences import depends_words, harm_words, poses_caveat
 from studies.mitigations.tallies import TOLD_VERDICTS
 from studies.run.report.page import flattened
 from studies.sensitivity.trust import spoken
 from studies.statistics.medians import MedianEstimate
 
-VERDICT_CLASSES = {NEARLY_RIGHT: "helps", NEARLY_WRONG: "hurts", UNTRIED: "level"}
+VERDICT_CLASSES = {NEARLY_RIGHT: "helps", NEARLY_WRONG: "hurts", TOO_FEW_CASES: "level", UNTRIED: "level"}
 """Colours of verdicts on advice; others have that of what depends."""
 
 
@@ -73,7 +73,6 @@ def advice_row(one: JudgedAdvice) -> dict[str, str]:
         "remedies": ", ".join(one.remedies),
         "verdict": one.verdict,
         "klass": VERDICT_CLASSES.get(one.verdict, "trades"),
-        "firmness": firmness_words(one).strip(" ,") if tried else "",
         "share": f"{100 * one.share:.0f} % ({100 * one.low:.0f}-{100 * one.high:.0f})" if tried else "",
         "counts": " / ".join(f"{told[verdict]}" for verdict in TOLD_VERDICTS) if tried else "",
         "gain": gain_points(one.gain) if one.gain else "",

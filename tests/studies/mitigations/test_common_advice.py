@@ -7,7 +7,9 @@ from studies.mitigations.common_advice import (
     DEPENDS,
     NEARLY_RIGHT,
     NEARLY_WRONG,
+    TOO_FEW_CASES,
     UNTRIED,
+    advice_verdict,
     explained_share,
     judged_advice,
     judged_piece,
@@ -83,7 +85,8 @@ def test_cases_that_need_nothing_do_not_speak_against_advice():
     ]
     off = judged_piece(PIECES["Switch the lamps off"], found)
     assert (off.cases, off.share) == (1, 1.0)
-    assert "in the 1 case at hand, too few to say so of others" in advice_verdict_words(off)
+    assert off.verdict == TOO_FEW_CASES
+    assert advice_verdict_words(off).startswith("too few cases to say: helps in 100 %")
 
 
 def test_advice_with_two_remedies_counts_each_in_part():
@@ -102,6 +105,20 @@ def test_intervals_are_clopper_and_pearsons():
     assert share_interval(0.0, 10) == (0.0, pytest.approx(1 - 0.025**0.1))
     assert share_interval(1.0, 10) == (pytest.approx(0.025**0.1), 1.0)
     assert share_interval(0.5, 10) == (pytest.approx(0.187, abs=5e-4), pytest.approx(0.813, abs=5e-4))
+
+
+@pytest.mark.parametrize(
+    ("helped", "cases", "verdict"),
+    [
+        (5, 5, TOO_FEW_CASES), (6, 6, NEARLY_RIGHT), (0, 5, TOO_FEW_CASES), (0, 6, NEARLY_WRONG), (3, 6, DEPENDS),
+        (8, 10, TOO_FEW_CASES), (16, 20, NEARLY_RIGHT), (2, 10, TOO_FEW_CASES), (4, 20, NEARLY_WRONG), (5, 20, DEPENDS),
+    ],
+)  # fmt: skip
+def test_a_verdict_needs_an_interval_on_its_side_of_a_half(helped: int, cases: int, verdict: str):
+    """Exact binomial tails at a half: all of five have 3.1 % and all of six 1.6 %; eight or more of ten 5.5 %, sixteen
+    or more of twenty 0.6 %; the limit is 2.5 %."""
+    share = helped / cases
+    assert advice_verdict(share, *share_interval(share, cases), cases) == verdict
 
 
 def test_explained_share_by_hand():
