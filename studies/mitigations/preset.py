@@ -49,8 +49,9 @@ class MitigationsPreset(Preset):
     """Of the metals."""
     materials: tuple[str, ...] = ()
     """More materials by name, such as black_plastic, whose clear coat polarises where metals hardly do."""
-    coupons: NAMED_LIST = ("lying_cylinder",)
-    """Shapes that each material is looked at in. Choice: a cylinder has the lay and the curvature of bars and tubes."""
+    coupons: NAMED_LIST = ("upright_cylinder",)
+    """Shapes that each material is looked at in. Choice: an upright cylinder is curved as bars are, has a flat end, and
+    changes when it is tilted."""
     remedies: Annotated[dict[str, NAMED_LIST], Field(min_length=1)] = STANDARD_REMEDIES
     """Levels by factor, as `studies.advise.factors` names them; each is tried by itself."""
     bench: BenchName = "workshop"

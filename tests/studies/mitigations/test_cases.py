@@ -2,12 +2,15 @@
 
 import math
 
+import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from materials.catalog import finish_names, metal_names
+from materials.catalog import finish_names, material, metal_names
 from render.d435i import SensorSettings
-from scenes.build import COUPONS
+from scenes.build import COUPONS, coupon_scene
+from scenes.reference_points import part_box
+from studies.advise.changed_scene import changed_scene
 from studies.advise.factors import REMEDY_FACTORS
 from studies.mitigations.cases import mitigation_cases, tried_remedies
 from studies.mitigations.preset import STANDARD_REMEDIES, MitigationsPreset
@@ -44,6 +47,16 @@ def test_lamps_are_not_changed_where_there_are_none():
     """Neither switched off nor diffused."""
     lit, dark = (tried_remedies(CASE, has_lamps) for has_lamps in (True, False))
     assert {name[0] for name in set(lit) - set(dark)} == {"lamps", "placing of lamps"}
+
+
+@pytest.mark.parametrize("coupon", COUPONS)
+def test_what_a_tilt_leaves_as_it_was_is_not_tilted(coupon: str):
+    """A ball, and a cylinder that lies along the axis of the tilt: their boxes stay within a millimetre, those of the
+    other coupons do not."""
+    (case, *_), scene = cases(coupons=(coupon,)), coupon_scene(coupon, material("iron:blasted"))
+    before, after = part_box(scene), part_box(changed_scene(scene, sprayed=False, tilt_deg=30.0, lamps="own"))
+    changes = bool(np.abs(after - before).max() > 1e-3)
+    assert changes == any("tilt of the part" in name for name in tried_remedies(case, has_lamps=True))
 
 
 def test_what_the_camera_has_already_is_no_remedy():

@@ -48,7 +48,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two metals and a plastic on two coupons, one case short: lamps off win on polished surfaces, tilt on the plastic,
     spray alone helps on blasted aluminium, blasted brass needs nothing."""
     out = tmp_path_factory.mktemp("mitigations")
-    asked = preset(coupons=("lying_cylinder", "ball"), materials=("black_plastic",), title="Made <up>")
+    asked = preset(coupons=("upright_cylinder", "plate"), materials=("black_plastic",), title="Made <up>")
     write_preset_file(out / MITIGATIONS, asked, MITIGATIONS_FORMAT)
     for case in mitigation_cases(asked)[:-1]:
         wins = {"polished": (0.5, 0.2, 0.0, 0.4), "blasted": (0.5, 0.0, 0.0, 0.3), None: (0.5, 0.1, 0.2, 0.4)}
