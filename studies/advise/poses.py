@@ -24,7 +24,8 @@ TRIES_A_POSE = 20
 def pose_texts(settings: AdviseSettings, scene: Scene) -> tuple[str, ...]:
     """The poses as the command line spells them; InputError for one that a camera cannot take.
 
-    Those of fewer poses are the first ones of more; what stands in the way of one is passed over.
+    Those of fewer poses are the first ones of more; what stands in the way of one is passed over. An inside corner is
+    looked into from its open side, as in the sensitivity study.
     """
     roll = settings.sensor.mount_roll_deg
     if settings.pose:
@@ -36,7 +37,7 @@ def pose_texts(settings: AdviseSettings, scene: Scene) -> tuple[str, ...]:
     found: list[str] = []
     for number in range(settings.seed, settings.seed + TRIES_A_POSE * settings.poses):
         elevation = low + (high - low) * ((0.5 + number * POLAR_STEP) % 1)
-        text = f"{azimuth_deg('', number):.2f},{elevation:.2f},{distance:g}"
+        text = f"{azimuth_deg(settings.part or '', number):.2f},{elevation:.2f},{distance:g}"
         try:
             camera_pose(text, scene, roll)
         except InputError:

@@ -42,6 +42,10 @@ COMMANDS = {
         "studies.thresholds.command",
         "Which thresholds are safe for declared parts, with which confidence.",
     ),
+    "study mitigations": (
+        "studies.mitigations.command",
+        "Which remedy for shiny metal wins on which metal, finish and shape, and which common advice is wrong.",
+    ),
     "run": ("studies.cli.robot:run", "Reconstruct with a real camera on a real arm; a dry run unless told to move."),
     "record": ("studies.cli.robot:record", "Take bursts of a real camera by hand; nothing is moved."),
     "cameras": ("studies.cli.robot:cameras", "List the RealSense cameras that are plugged in."),

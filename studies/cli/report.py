@@ -19,6 +19,7 @@ STUDIES = {
     "advice.json": "studies.advise.command",
     "angles.json": "studies.safe_angles.command",
     "comparison.json": "studies.comparison.command",
+    "mitigations.json": "studies.mitigations.command",
     "readings.json": "studies.readings.command",
     "study.json": "studies.sensitivity.report.page",
     "thresholds.json": "studies.thresholds.command",
