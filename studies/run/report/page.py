@@ -73,14 +73,14 @@ def run_tiles(
     else:
         yield "unknown", "coverage", "nobody has told the true surface"
     yield str(summary["acquisitions"]), "acquisitions", f"in {summary['nbv_iterations']} NBV iterations"
-    if summary["missing_believed"] is not None:
-        yield percent(summary["missing_believed"]), "believed missing", "by the planner, which knows no surface"
-    activations = summary["recovery_activations"]
+    believed, activations = summary["missing_believed"], summary["recovery_activations"]
+    if believed is not None:
+        yield percent(believed), "believed missing", "by the planner, which knows no surface"
     name = "recovery activation" if activations == 1 else "recovery activations"
     change = f"their views: {100 * summary['recovery_contribution']:+.1f} points of the map's coverage" if known else ""
     if open_loop:
         yield str(activations), "views with a recovery to begin", "proposed, and not made"
-    else:
+    elif activations or believed is None:
         yield str(activations), name, change or f"and {summary['recovery_acquisitions']} views for them"
     yield f"{timings['wall_s']:.0f} s", "wall time", "sensing, planning and evaluation"
 
