@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from scipy import stats
 
-from studies.advise.advice import RemedyScore
+from studies.advise.advice import WORTH_IT, RemedyScore
 from studies.advise.setup import Setup
 from studies.mitigations.answers import CaseAnswer
 from studies.mitigations.tallies import TOLD_VERDICTS, counted_verdicts, told_verdict
@@ -30,7 +30,9 @@ FEW_CASES = 6
 """Of fewer cases nothing is said (choice: all of five alike leave a half within the interval, 0.5^5 being 3.1 %)."""
 NEARLY_RIGHT, NEARLY_WRONG = "right nearly everywhere", "wrong nearly everywhere"
 DEPENDS, TOO_FEW_CASES, UNTRIED = "depends", "too few cases to say", "not tried"
-"""Verdicts. That of advice which is right or wrong nearly everywhere needs an interval on one side of a half."""
+NOT_TOLD_APART = "gains over all cases, told apart in few"
+"""Verdicts. That of advice which is right or wrong nearly everywhere needs an interval on one side of a half; and what
+is level in most cases, but gains in their median beyond doubt, is not called wrong: more poses would tell it apart."""
 
 Meant = Callable[[RemedyScore, Setup, Setup], bool]
 """Whether a remedy is what the advice means; the setups are that of the camera as it is set, and with the remedy."""
@@ -64,7 +66,7 @@ class JudgedAdvice:
     gain: MedianEstimate | None
     """Mean over its remedies, median over cases; None without cases."""
     verdict: str
-    """NEARLY_RIGHT, NEARLY_WRONG, DEPENDS, TOO_FEW_CASES or UNTRIED."""
+    """NEARLY_RIGHT, NEARLY_WRONG, NOT_TOLD_APART, DEPENDS, TOO_FEW_CASES or UNTRIED."""
     by: str
     """What it depends on most: `finish`, `metal` or `coupon`; empty where nothing stands out."""
     groups: tuple[tuple[str, float, int], ...]
@@ -140,17 +142,21 @@ def judged_piece(piece: PieceOfAdvice, answers: Sequence[CaseAnswer]) -> JudgedA
     every = [score for _, scores in found for score in scores]
     share = sum(helped) / len(helped)
     low, high = share_interval(share, len(helped))
+    counts = counted_verdicts(every)
+    gain = median_interval([sum(score.gain for score in scores) / len(scores) for _, scores in found])
     verdict = advice_verdict(share, low, high, len(found))
+    if verdict == NEARLY_WRONG and gain.low >= WORTH_IT and counts["level"] > MAJORITY * len(every):
+        verdict = NOT_TOLD_APART
     by, groups = what_explains([answer for answer, _ in found], helped) if verdict == DEPENDS else ("", ())
     return JudgedAdvice(
         piece.words,
         tuple(dict.fromkeys(f"{score.name}: {score.level}" for score in every)),
         len(found),
-        counted_verdicts(every),
+        counts,
         share,
         low,
         high,
-        median_interval([sum(score.gain for score in scores) / len(scores) for _, scores in found]),
+        gain,
         verdict,
         by,
         groups,

@@ -4,7 +4,14 @@ from collections.abc import Iterator
 
 from studies.base.numbers_as_text import counted
 from studies.drawing.templates import environment, page_style
-from studies.mitigations.common_advice import NEARLY_RIGHT, NEARLY_WRONG, TOO_FEW_CASES, UNTRIED, JudgedAdvice
+from studies.mitigations.common_advice import (
+    NEARLY_RIGHT,
+    NEARLY_WRONG,
+    NOT_TOLD_APART,
+    TOO_FEW_CASES,
+    UNTRIED,
+    JudgedAdvice,
+)
 from studies.mitigations.findings import MitigationsFindings
 from studies.mitigations.polarised import PolarisedMaterial
 from studies.mitigations.preset import MitigationsPreset
@@ -16,7 +23,13 @@ from studies.run.report.page import flattened
 from studies.sensitivity.trust import spoken
 from studies.statistics.medians import MedianEstimate
 
-VERDICT_CLASSES = {NEARLY_RIGHT: "helps", NEARLY_WRONG: "hurts", TOO_FEW_CASES: "level", UNTRIED: "level"}
+VERDICT_CLASSES = {
+    NEARLY_RIGHT: "helps",
+    NEARLY_WRONG: "hurts",
+    NOT_TOLD_APART: "level",
+    TOO_FEW_CASES: "level",
+    UNTRIED: "level",
+}
 """Colours of verdicts on advice; others have that of what depends."""
 
 

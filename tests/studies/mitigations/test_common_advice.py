@@ -2,13 +2,17 @@
 
 import pytest
 
+from studies.advise.search import Tried
+from studies.mitigations.answers import answer_of, known_remedy
 from studies.mitigations.common_advice import (
     COMMON_ADVICE,
     DEPENDS,
     NEARLY_RIGHT,
     NEARLY_WRONG,
+    NOT_TOLD_APART,
     TOO_FEW_CASES,
     UNTRIED,
+    JudgedAdvice,
     advice_verdict,
     explained_share,
     judged_advice,
@@ -18,7 +22,8 @@ from studies.mitigations.common_advice import (
 from studies.mitigations.polarised import COATED, polarised_materials
 from studies.mitigations.sentences import advice_verdict_words, poses_caveat, study_paragraph
 from studies.mitigations.tallies import tallies
-from tests.studies.mitigations.made_up_study import answer, cases
+from tests.studies.advise.made_up import shares
+from tests.studies.mitigations.made_up_study import answer, cases, measured
 
 LOW, HIGH, SPRAY = ("laser", "60 mW"), ("laser", "360 mW"), ("spray", "matte")
 OFF, FILMS = ("lamps", "off"), ("polarisers", "on the imagers")
@@ -69,6 +74,25 @@ def test_what_it_depends_on_is_the_finish():
     words = advice_verdict_words(stronger)
     assert "mostly on blasted" in words
     assert "seldom on polished and black plastic" in words
+
+
+def test_what_gains_over_all_cases_and_is_told_apart_in_none_is_not_called_wrong():
+    """Nine cases that a tilt gains ten points each in the mean, by what it does to one pose of six; of noise that comes
+    and goes as much nothing remains in the median, and it stays wrong."""
+    tilt = known_remedy("tilt of the part", "30 deg")
+
+    def found(gains: list[float]) -> JudgedAdvice:
+        answers = []
+        for case in catalogue():
+            tried = measured(0.3, {SPRAY: 0.45})
+            one = Tried((tilt,), tilt.level.change(tried[0].setup), shares([0.3 + gain for gain in gains], 0.1))
+            answers.append(answer_of(case, [*tried, one]))
+        return judged_piece(PIECES["Tilt the part"], answers)
+
+    gained = found([0.6, 0.0, 0.0, 0.01, -0.01, 0.0])
+    assert (gained.counts["level"], gained.share, gained.verdict) == (9, 0.0, NOT_TOLD_APART)
+    nothing = found([0.1, -0.1, 0.0, 0.01, -0.01, 0.0])
+    assert (nothing.counts["level"], nothing.share, nothing.verdict) == (9, 0.0, NEARLY_WRONG)
 
 
 def test_films_are_judged_on_bare_metal_alone():
