@@ -23,9 +23,10 @@ def test_its_figures_exist_and_are_small():
     others = {
         "figures/advice.png",
         "figures/demo.png",
+        "figures/mitigations.png",
         "figures/objects.png",
         "figures/robust.png",
-    }  # the README's two, the comparison's, fra-robust's
+    }  # the README's two, the advice's, the comparison's, fra-robust's
     assert drawn - shown <= others
 
 
@@ -39,6 +40,7 @@ def test_files_and_commands_that_it_names_exist():
         "page_picture",
         "advice",
         "advice_ranking",
+        "mitigations",
         "replayed_models",
         "demo",
         "objects",
