@@ -6,7 +6,7 @@ from typing import Any
 
 from studies.advise.factors import LightNeed
 from studies.advise.paired_shares import SurfaceShares
-from studies.advise.search import Tried, best_advised, by_right_share, makes_it_up
+from studies.advise.search import Tried, best_advised, by_right_share, makes_up_depth
 
 WORTH_IT = 0.02
 """Gain of right depth below which a remedy is not advised, told apart or not (choice: two points; other noise moves a
@@ -40,7 +40,8 @@ class RemedyScore:
     gain_lo: float
     gain_hi: float
     verdict: str
-    """`helps`; `trades`: adds right depth, and more false depth; `hurts`; or `level` with the camera as it is set."""
+    """`helps`; `trades`: adds right depth, and more false depth, or does so to a part of its remedies; `hurts`; or
+    `level` with the camera as it is set."""
     rank: int
     """Those of one rank are not told apart from the first of them."""
     cost: str
@@ -79,10 +80,10 @@ class Advice:
 def advice_from(tried: Sequence[Tried], poses: int, seeds: int) -> tuple[Advice, Tried]:
     """The answer, and the setup that is advised. tried: the camera as it is set first."""
     base = tried[0]
-    singles = ranked([one for one in tried if len(one.remedies) == 1], base)
-    several = ranked([one for one in tried if len(one.remedies) > 1], base)
+    singles = ranked([one for one in tried if len(one.remedies) == 1], tried)
+    several = ranked([one for one in tried if len(one.remedies) > 1], tried)
     # What has most right depth in the mean may not be told apart where something smaller is.
-    found = best_advised([base, *(one for one in tried[1:] if _is_worth_it(one.shares, base.shares))])
+    found = best_advised(tried, [base, *(one for one in tried[1:] if _is_worth_it(one.shares, base.shares))])
     ceiling = min((one for one in tried if one.is_ceiling), key=by_right_share, default=None)
     matters = shine_matters(tried)
     kind = verdict_kind(base.shares, found.shares, ceiling.shares if ceiling else None, matters)
@@ -90,12 +91,12 @@ def advice_from(tried: Sequence[Tried], poses: int, seeds: int) -> tuple[Advice,
     answer = Advice(
         tuple(singles),
         tuple(several),
-        remedy_score(base, base, 0),
-        remedy_score(advised, base, 0),
-        remedy_score(ceiling, base, 0) if ceiling else None,
+        remedy_score(base, tried, 0),
+        remedy_score(advised, tried, 0),
+        remedy_score(ceiling, tried, 0) if ceiling else None,
         kind,
         matters,
-        remedy_score(found, base, 0) if kind == "nothing needed" and found is not base else None,
+        remedy_score(found, tried, 0) if kind == "nothing needed" and found is not base else None,
         len(tried),
         poses,
         seeds,
@@ -132,21 +133,22 @@ def _is_worth_it(shares: SurfaceShares, base: SurfaceShares) -> bool:
     return low > 0 and gain >= WORTH_IT
 
 
-def ranked(tried: Sequence[Tried], base: Tried) -> list[RemedyScore]:
-    """The best first. A rank begins with the first that is told apart from the one that the rank before began with."""
-    order = sorted(tried, key=by_right_share)
+def ranked(some: Sequence[Tried], tried: Sequence[Tried]) -> list[RemedyScore]:
+    """Some of what was tried, the best first. A rank begins with the first that is told apart from the one that the
+    rank before began with."""
+    order = sorted(some, key=by_right_share)
     scores: list[RemedyScore] = []
     leader, rank = None, 0
     for place, one in enumerate(order, start=1):
         if leader is None or leader.shares.gain_over(one.shares)[1] > 0:
             leader, rank = one, place
-        scores.append(remedy_score(one, base, rank))
+        scores.append(remedy_score(one, tried, rank))
     return scores
 
 
-def remedy_score(tried: Tried, base: Tried, rank: int) -> RemedyScore:
-    """One setup held against the camera as it is set."""
-    shares, remedies = tried.shares, tried.remedies
+def remedy_score(one: Tried, tried: Sequence[Tried], rank: int) -> RemedyScore:
+    """One setup held against all that was tried, the camera as it is set first."""
+    shares, remedies, base = one.shares, one.remedies, tried[0]
     gain, gain_lo, gain_hi = shares.gain_over(base.shares) if remedies else (0.0, 0.0, 0.0)
     lo, hi = shares.interval
     needs = [remedy.factor.need for remedy in remedies]
@@ -164,11 +166,11 @@ def remedy_score(tried: Tried, base: Tried, rank: int) -> RemedyScore:
         gain=gain,
         gain_lo=gain_lo,
         gain_hi=gain_hi,
-        verdict=_verdict(gain_lo, gain_hi, makes_it_up(shares, base.shares)),
+        verdict=_verdict(gain_lo, gain_hi, makes_up_depth(one, tried)),
         rank=rank,
         cost=", ".join(dict.fromkeys(costs)) or "nothing",
         light=TIME_NAMES[max(needs, key=list(LightNeed).index)] if needs else "stored",
-        is_ceiling=tried.is_ceiling,
+        is_ceiling=one.is_ceiling,
     )
 
 

@@ -182,12 +182,22 @@ def best_of_factors(singles: Sequence[Tried], base: Tried, honest: bool = True) 
     return list(best.values())
 
 
-def best_advised(tried: Sequence[Tried]) -> Tried:
-    """Of those that leave the part as it is, the one with most right depth; none that adds more false depth than right
-    depth. tried: the camera as it is set first."""
-    base = tried[0].shares
-    advised = [one for one in tried if not one.is_ceiling]
-    return min((one for one in advised if not makes_it_up(one.shares, base)), key=by_right_share)
+def best_advised(tried: Sequence[Tried], among: Sequence[Tried] | None = None) -> Tried:
+    """Of those that leave the part as it is, the one with most right depth; none that makes depth up. tried: all that
+    was, the camera as it is set first; among: those to choose from, None = all."""
+    advised = [one for one in (tried if among is None else among) if not one.is_ceiling]
+    return min((one for one in advised if not makes_up_depth(one, tried)), key=by_right_share)
+
+
+def makes_up_depth(one: Tried, tried: Sequence[Tried]) -> bool:
+    """Whether more false depth than right depth comes of it: beside the camera as it is set, or of what it adds to a
+    part of its remedies that was tried without the rest."""
+    names = _titles(one)
+    return any(makes_it_up(one.shares, other.shares) for other in tried if _titles(other) < names)
+
+
+def _titles(tried: Tried) -> frozenset[str]:
+    return frozenset(remedy.title for remedy in tried.remedies)
 
 
 def makes_it_up(shares: SurfaceShares, base: SurfaceShares) -> bool:

@@ -25,12 +25,12 @@ def shares(right: list[float], false: float = 0.0, seeds: int = 1) -> SurfaceSha
     return SurfaceShares.of([tuple(SurfaceCount(1.0, share, false, 1.0) for _ in range(seeds)) for share in right])
 
 
-def tried(*remedies: Remedy, right: list[float]) -> Tried:
+def tried(*remedies: Remedy, right: list[float], false: float = 0.0) -> Tried:
     """Measured with these shares."""
     setup = base()
     for one in remedies:
         setup = one.level.change(setup)
-    return Tried(tuple(remedies), setup, shares(right))
+    return Tried(tuple(remedies), setup, shares(right, false))
 
 
 def no_change(name: str) -> Level:

@@ -47,6 +47,21 @@ def test_what_spray_would_give_is_said_with_the_exposure_that_it_needs():
     assert [one.factor.name for one in best.remedies] == ["laser"]
 
 
+def test_what_makes_depth_up_on_top_of_what_helps_is_not_advised():
+    """A filter takes 25 points of false depth away, and hole filling then adds ten of right depth and twenty of false:
+    less false than without either, and still more made up than measured."""
+    band, fill = remedy("band-pass filter", "850 nm"), remedy("filters", "hole filling, largest disparity")
+    answers = [
+        tried(right=[0.3] * 6, false=0.5),
+        tried(band, right=[0.5] * 6, false=0.25),
+        tried(fill, right=[0.35] * 6, false=0.6),
+        tried(band, fill, right=[0.6] * 6, false=0.45),
+    ]
+    advice, best = advice_from(answers, 6, 1)
+    assert best.remedies == (band,)
+    assert [one.verdict for one in advice.combinations] == ["trades"]
+
+
 def test_nothing_is_needed_where_spray_would_add_nothing():
     """A matte part."""
     advice, _ = advice_from([tried(right=SPRAYED), tried(remedy("spray", "matte"), right=SPRAYED)], 6, 1)
