@@ -29,7 +29,7 @@ LIGHT = "light"
 """Sub-folder of the radiance."""
 KEPT_LIGHTS = 4
 """Renderings at hand (choice: two looks of two settings; 6 MB each at 640x360)."""
-STEEPEST_DEG = 65.0
+STEEPEST_SCORED_DEG = 65.0
 """Surface that is seen at more than this incidence does not count [deg]. Choice: a matcher's window does not hold it,
 whatever it is made of. The bench's matte block, sprayed and well exposed, has right depth on 91 to 99 % of its surface
 below, on 61 % of what lies at 65 to 70 deg and on 17 to 44 % beyond; at 75 deg a pixel is four times as much surface
@@ -155,7 +155,7 @@ def seen_part(truth: Truth, scene: Scene, intrinsics: Intrinsics) -> SeenPart:
     """What is scored of a truth. scene: the one that it was found in."""
     part = looks_at_part(truth, scene)
     depth, incidence = truth.depth.astype(float), truth.incidence.astype(float)
-    steepest = np.radians(STEEPEST_DEG)
+    steepest = np.radians(STEEPEST_SCORED_DEG)
     areas = pixel_areas(depth, incidence, intrinsics, np.cos(steepest))
     area = np.where(part & (incidence <= steepest), areas, 0).astype(np.float32)
     return SeenPart(truth.depth, area, truth.body, facings(truth.normal_world))
