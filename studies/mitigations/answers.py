@@ -34,7 +34,7 @@ class CaseAnswer:
 
     @property
     def needs_help(self) -> bool:
-        """Whether anything that was tried, spray among it, gains right depth: elsewhere no remedy can show itself."""
+        """Whether shine is in the way or a remedy adds much: elsewhere no remedy can show itself."""
         return self.advice.kind in ("remedy", "only spray")
 
     @property

@@ -1,7 +1,7 @@
 """What people advise on shiny metal, held against every case: right nearly everywhere, wrong nearly everywhere, or not.
 
 A piece of advice is a remedy or several, such as all lower laser powers; where a case has several, each counts in part.
-Cases in which nothing that was tried gains right depth, spray among it, are left out: there advice cannot show itself.
+Cases that need nothing (`studies.advise.advice.verdict_kind`) are left out: there advice cannot show itself.
 Intervals of the share of cases are Clopper and Pearson's (1934) with the case as the unit: exact for one remedy a case,
 and too wide rather than too narrow for several, whose verdicts on one case go together.
 """

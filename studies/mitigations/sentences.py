@@ -40,7 +40,7 @@ def _need_words(answers: Sequence[CaseAnswer], needing: Sequence[CaseAnswer], wo
     only = sum(answer.advice.kind == "only spray" for answer in needing)
     words = f"In {len(won)} of {counted(len(answers), 'case')} a remedy helps that leaves the part as it is"
     words += f", in {only} nothing but spray does" if only else ""
-    return words + (f", in {rest} nothing that was tried gains anything." if rest else ".")
+    return words + (f", in {rest} nothing is needed." if rest else ".")
 
 
 def _spray_words(won: Sequence[CaseAnswer]) -> str:

@@ -71,7 +71,7 @@ def mitigation_tiles(found: MitigationsFindings) -> Iterator[tuple[str, str, str
     won = [answer for answer in needing if answer.winner]
     judged = [one for one in found.advice if one.verdict != UNTRIED]
     yield f"{len(found.answers):,}", "cases", f"of {found.planned:,}; {len(found.remedies)} remedies on each"
-    yield f"{len(won):,}", "a remedy wins", f"of {len(needing):,} in which anything gains right depth"
+    yield f"{len(won):,}", "a remedy wins", f"of {len(needing):,} that need help"
     for verdict in (NEARLY_RIGHT, NEARLY_WRONG):
         number = sum(one.verdict == verdict for one in judged)
         yield f"{number}", verdict, f"of {counted(len(judged), 'piece')} of common advice that were tried"
