@@ -8,7 +8,7 @@ from studies.comparison.statistics import Comparison
 from studies.run.ablation import ABLATIONS
 from studies.statistics.intervals import Difference, Interval
 
-WHOLE_METHODS = ("fra", "pb", "fra-robust")
+WHOLE_METHODS = ("fra", "pb", "re", "fra-robust")
 """Planners beside which the arms stand: without any of the changes, and with all of them."""
 ROBUST_LEVELS = (10, 20, 30)
 """Acquisitions after which arms are compared [-] (choice: of the levels of planners every other, so that all parts fit

@@ -40,7 +40,7 @@ def test_the_ablation_preset_has_every_arm_on_every_part_from_the_same_starts():
     starts: dict[tuple[str, str], set[int]] = {}
     for run in runs:
         starts.setdefault((run.part, run.arm), set()).add(run.run)
-    arms = {"fra", "pb", "fra-robust", *preset.ablations}
+    arms = {"fra", "pb", "re", "fra-robust", *preset.ablations}
     assert starts == {(part, arm): {0, 5, 10} for part in preset.ablated_parts for arm in arms}
     assert {run.config.parameters.max_iterations for run in runs} == {19}
     assert len({run.digest for run in runs}) == len(runs)
