@@ -91,12 +91,14 @@ class PlanningCell:
 
     def detect(self, burst: DepthBurst, before: Model, model: Model) -> Detection | None:
         """Reflective regions in the burst; before, model: without and with it (`Parameters.detection_ellipsoids`)."""
-        detect = self.planner.detect if self.planner.recovery is None else self.planner.recovery.detect
-        if detect is None:
-            return None
-        with self.clock.planning("detection"):
-            known = before if self.parameters.detection_ellipsoids == "previous" else model
-            return detect(burst, known, self.parameters)
+        known = before if self.parameters.detection_ellipsoids == "previous" else model
+        if self.planner.recovery is not None:
+            with self.clock.planning("detection"):
+                return self.planner.recovery.detect(burst, known, self.parameters)
+        if self.planner.detect is not None:
+            with self.clock.planning("detection"):
+                return self.planner.detect(burst, known, self.parameters, self.min_z)
+        return None
 
     def activated(self, detection: Detection | None, burst: DepthBurst) -> ActivatedRecovery | None:
         """The recovery of the largest region; None if there is none."""

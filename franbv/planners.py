@@ -35,6 +35,7 @@ from franbv.voxel_map import VoxelMap
 
 Score = Callable[[Model, Intrinsics, Sequence[RigidTransform], Parameters], Float[np.ndarray, "n"]]
 Detect = Callable[[DepthBurst, Model, Parameters], Detection]
+DetectBeyond = Callable[[DepthBurst, Model, Parameters, float], Detection]
 Poses = Callable[[OrientedBox, RigidTransform, Parameters, Callable[[RigidTransform], bool], float], RecoveryPoses]
 ScoreRecovery = Callable[[Model, OrientedBox, Intrinsics, Sequence[RigidTransform], Parameters], Float[np.ndarray, "n"]]
 Judge = Callable[[Model, Model, OrientedBox, Parameters], tuple[float, float]]
@@ -102,8 +103,9 @@ class Planner:
     """(model, parameters, azimuth [rad]) -> poses among which the next best view is chosen."""
     stop: Stop = stop_by_stagnation
     """(model, utilities of the views chosen so far, parameters) -> the rule that ends the run, or None."""
-    detect: Detect | None = None
-    """Regions that are named and shown, of a planner that recovers none by itself; a `recovery` has its own."""
+    detect: DetectBeyond | None = None
+    """(burst, model with that burst in it, parameters, Min-Z [m]) -> regions that are named and shown, of a planner
+    that recovers none by itself; a `recovery` has its own."""
     points: Points = all_depth
     """(burst, parameters) -> depth that becomes points of the cloud [m], 0 = none."""
     missing: Missing | None = None

@@ -1,4 +1,4 @@
-"""The models that fra-robust had in a finished run: its stored bursts put into the map again."""
+"""A finished run again: its camera, and the models that fra-robust had, its stored bursts put into the map."""
 
 from collections.abc import Iterator
 
@@ -9,7 +9,22 @@ from franbv.model import Model, model_of, model_with
 from franbv.parameters import Parameters
 from franbv.sensing import DepthBurst
 from franbv.voxel_map import empty_map
+from materials.input_error import InputError
+from render.d435i import SimulatedD435i
+from studies.run.scene_settings import SubjectSettings, build_subject
 from studies.run.stored_run import StoredRun
+
+
+def camera_of(stored: StoredRun, preset: str | None = None) -> SimulatedD435i:
+    """The camera of a simulated run before its scene, or another preset of it."""
+    config = stored.run["config"]
+    if "part" not in config:
+        raise InputError(f"{stored.folder}: is no simulated run; give the --out folder of `franbv reconstruct`")
+    subject = SubjectSettings.model_validate(
+        {name: config[name] for name in SubjectSettings.model_fields if name in config}
+    )
+    sensor = subject.sensor if preset is None else subject.sensor.model_copy(update={"preset": preset})
+    return SimulatedD435i(build_subject(subject).scene, sensor, subject.seed)
 
 
 def robust_models(stored: StoredRun, parameters: Parameters) -> Iterator[tuple[DepthBurst, Model]]:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
-from docs.figures.replayed_models import robust_models
+from docs.figures.replayed_models import camera_of, robust_models
 from franbv.known_planners import PLANNERS
 from franbv.parameters import Parameters
 from franbv.robust.choice import expected_gains
@@ -41,9 +41,10 @@ def shares_for_regions(stored: StoredRun) -> list[float | None]:
     parameters = Parameters.model_validate(stored.run["config"]["parameters"])
     detect, settings, shares = PLANNERS["fra-robust"].build().detect, RobustSettings(), []
     assert detect is not None
+    min_z = camera_of(stored).min_z
     following = [stored.view(number).pose for number in range(1, len(stored.rows))]
     for pose, (burst, model) in zip(following, robust_models(stored, parameters), strict=False):
-        boxes = [box.grown(parameters.voxel_size) for box in detect(burst, model, parameters).boxes]
+        boxes = [box.grown(parameters.voxel_size) for box in detect(burst, model, parameters, min_z).boxes]
         left = hypothesis(model, parameters, settings)
         gains = expected_gains(model, left, burst.intrinsics, RigidTransform.concatenate([pose]), settings)[0]
         inside = np.zeros(len(gains), bool)

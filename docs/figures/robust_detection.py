@@ -13,15 +13,15 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
+from docs.figures.replayed_models import camera_of
 from franbv.known_planners import PLANNERS
 from franbv.model import Model, model_of, model_with
 from franbv.parameters import Parameters
 from franbv.planners import Planner
+from franbv.reflective_regions import Detection
 from franbv.sensing import DepthBurst
 from franbv.voxel_map import empty_map
-from materials.input_error import InputError
 from render.d435i import SimulatedD435i
-from studies.run.scene_settings import SubjectSettings, build_subject
 from studies.run.stored_run import StoredRun, stored_runs
 from studies.scoring.burst_detection import BurstScores, ViewTruth, measured_view, score_burst, summed_scores
 from studies.store.views import read_arrays, write_arrays
@@ -42,9 +42,10 @@ def main(folders: list[Path], preset: str | None, keep: Path | None) -> None:
     for case in (case for folder in folders for case in stored_runs(folder)):
         stored = StoredRun(case)
         parameters = Parameters.model_validate(stored.run["config"]["parameters"])
-        views = list(labelled_views(stored, parameters.n_frames, preset, keep))
+        camera = camera_of(stored, preset)
+        views = list(labelled_views(stored, camera, parameters.n_frames, preset, keep))
         for name in COMPARED:
-            scores = scores_of(PLANNERS[name].build(), views, parameters)
+            scores = scores_of(PLANNERS[name].build(), views, parameters, camera.min_z)
             print(row(case.parent.name, name, scores))
             if name == "fra-robust":
                 print(row(case.parent.name, f"{name}, first {EARLY}", scores[:EARLY]))
@@ -54,17 +55,9 @@ def main(folders: list[Path], preset: str | None, keep: Path | None) -> None:
 
 
 def labelled_views(
-    stored: StoredRun, n_frames: int, preset: str | None, keep: Path | None
+    stored: StoredRun, camera: SimulatedD435i, n_frames: int, preset: str | None, keep: Path | None
 ) -> Iterator[tuple[DepthBurst, ViewTruth]]:
     """Bursts from the run's poses, and their truth."""
-    config = stored.run["config"]
-    if "part" not in config:
-        raise InputError(f"{stored.folder}: is no simulated run; give the --out folder of `franbv reconstruct`")
-    subject = SubjectSettings.model_validate(
-        {name: config[name] for name in SubjectSettings.model_fields if name in config}
-    )
-    sensor = subject.sensor if preset is None else subject.sensor.model_copy(update={"preset": preset})
-    camera = SimulatedD435i(build_subject(subject).scene, sensor, subject.seed)
     for number in range(len(stored.rows)):
         pose = stored.view(number).pose
         file = keep and keep / f"{stored.folder.name}_{preset or 'own'}" / f"{number:03d}.npz"
@@ -84,16 +77,24 @@ def kept_view(file: Path, camera: SimulatedD435i, pose: RigidTransform) -> tuple
     return DepthBurst(arrays.pop("depths"), camera.intrinsics, pose), ViewTruth(**arrays)
 
 
-def scores_of(planner: Planner, views: list[tuple[DepthBurst, ViewTruth]], parameters: Parameters) -> list[BurstScores]:
+def scores_of(
+    planner: Planner, views: list[tuple[DepthBurst, ViewTruth]], parameters: Parameters, min_z: float
+) -> list[BurstScores]:
     """Of every view, before the planner's own map of all bursts up to it."""
-    detect = planner.recovery.detect if planner.recovery else planner.detect
-    assert detect is not None
     seed, scores = np.random.SeedSequence(0), []
     model: Model = model_of(empty_map(parameters), planner, parameters, seed)
     for burst, truth in views:
         model = model_with(model.voxel_map, burst, planner, parameters, seed)
-        scores.append(score_burst(detect(burst, model, parameters), burst, truth))
+        scores.append(score_burst(detected(planner, burst, model, parameters, min_z), burst, truth))
     return scores
+
+
+def detected(planner: Planner, burst: DepthBurst, model: Model, parameters: Parameters, min_z: float) -> Detection:
+    """What a planner that names regions, whether it recovers them or not, tells of a burst."""
+    if planner.recovery is not None:
+        return planner.recovery.detect(burst, model, parameters)
+    assert planner.detect is not None
+    return planner.detect(burst, model, parameters, min_z)
 
 
 def row(run: str, detector: str, scores: list[BurstScores]) -> str:

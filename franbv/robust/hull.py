@@ -44,6 +44,10 @@ class ObjectHull:
         faces = self.planes[self.planes[:, 2] > UNDERSIDE]
         return -(points @ faces[:, :3].T + faces[:, 3]).max(axis=-1)
 
+    def normals_at(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+        """Outward unit normal of the face that each point lies on, or is nearest to from within."""
+        return self.planes[np.argmax(points @ self.planes[:, :3].T + self.planes[:, 3], axis=1), :3]
+
     def crossed(
         self, origin: Float[np.ndarray, "3"], rays: Float[np.ndarray, "n 3"]
     ) -> tuple[Float[np.ndarray, "n"], Float[np.ndarray, "n"], Float[np.ndarray, "n"]]:

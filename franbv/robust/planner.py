@@ -32,8 +32,8 @@ def fra_robust(settings: RobustSettings | None = None) -> Planner:
     """Views of what is left to be measured, from where it is likely to succeed. settings: None = the defaults."""
     settings = settings or RobustSettings()
 
-    def detect(burst: DepthBurst, model: Model, parameters: Parameters) -> Detection:
-        return detect_robustly(burst, model, parameters, settings)
+    def detect(burst: DepthBurst, model: Model, parameters: Parameters, min_z: float) -> Detection:
+        return detect_robustly(burst, model, parameters, min_z, settings)
 
     planner = partly_robust(pb(), get_args(RobustChange), settings)
     return replace(planner, name="fra-robust", approximate=without_ellipsoids, detect=detect)

@@ -1,27 +1,31 @@
 """Where depth is missing or false by reflection, told from depth and the map alone.
 
-A pixel looks at the object where its ray comes well below the hull of what was measured (`hull`). There
+A pixel looks at the object where its ray comes below the hull of what was measured (`hull`). There
 
 - missing depth is a reflective hole, unless geometry explains it: the surface is too steep for a matcher's window, or
-  the pixel stands beside others without depth past the rim, along the baseline, where what lies behind the object is
-  hidden from the right imager;
+  nearer than the camera measures, or the pixel stands beside others without depth past the rim, along the baseline,
+  where what lies behind the object is hidden from the right imager;
 - depth is false where it ends behind surface that several views confirmed, or where it passes the hull whole or ends
   deep within it, and that unsteadily: mirror images flicker from frame to frame, as what they show lies far off.
 
-What depth alone cannot tell apart: a highlight that drowns a matte surface is a hole as well, and false depth that is
-wrong by less than a voxel and a half passes unseen. A part that is hollow under its hull looks as a mirror would until
-views have confirmed what is in it.
+Neither is reflection's where surface like it is measured from aslant (`dull_surface`).
+
+What depth alone cannot tell apart: a highlight that drowns a matte surface of which little is known yet is a hole as
+well, and false depth that is wrong by less than a voxel and a half passes unseen. A part that is hollow under its hull
+looks as a mirror would until views have confirmed what is in it.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
+from scipy.ndimage import maximum_filter
 from scipy.spatial import KDTree
 
 from franbv.model import Model
 from franbv.parameters import Parameters
 from franbv.reflective_regions import Detection, group_into_boxes, invalid_share
+from franbv.robust.dull_surface import measured_aslant, of_dull_surface, regions_of
 from franbv.robust.evidence import with_scans
 from franbv.robust.hull import ObjectHull, object_hull
 from franbv.robust.hypothesis import SEEN_AT
@@ -49,9 +53,10 @@ class RobustDetection(Detection):
 
 
 def detect_robustly(
-    burst: DepthBurst, model: Model, parameters: Parameters, settings: RobustSettings
+    burst: DepthBurst, model: Model, parameters: Parameters, min_z: float, settings: RobustSettings
 ) -> RobustDetection:
-    """What a burst shows of reflection. model: with that burst in it."""
+    """What a burst shows of reflection. model: with that burst in it; min_z: the least Z-depth that the camera measures
+    [m]."""
     shape = burst.depths.shape[1:]
     hull = object_hull(with_scans(model.voxel_map), parameters, settings)
     if hull is None:
@@ -62,15 +67,50 @@ def detect_robustly(
     seen = object_pixels(burst, model, hull, parameters, settings)
     size = model.voxel_map.voxel_size
     inside = min(settings.least_inside_voxels * size, settings.least_inside_share * float(seen.deepest.max()))
-    objects = seen.covered & (seen.deepest > inside)
+    objects = seen.covered & (seen.deepest > inside) & ~too_near(burst, seen, min_z, settings, size)
     holes = objects & holes_of_reflection(seen, settings)
-    false = (seen.deepest > settings.false_inside_voxels * size) & depth_that_contradicts(
-        burst, seen, parameters, settings, size
-    )
+    deep = objects & (seen.deepest > settings.false_inside_voxels * size)
+    false = deep & depth_that_contradicts(burst, seen, parameters, settings, size)
     places, uncertainty = probable_surface(burst, seen, hull, holes | false, settings, size)
+    dull = dull_pixels(burst, model, hull, holes | false, places, settings)
+    holes, false = holes & ~dull, false & ~dull
+    places[dull], uncertainty[dull] = np.nan, np.nan
     missing = np.zeros(shape, bool)
     missing[holes | false] = not_in_map(places[holes | false], model)
     return _detection(burst, objects, holes, false, places, uncertainty, missing, parameters)
+
+
+def too_near(
+    burst: DepthBurst, seen: ObjectPixels, min_z: float, settings: RobustSettings, size: float
+) -> Bool[np.ndarray, "h w"]:
+    """Pixels whose surface lies nearer than the camera measures, by its Z-depth, where a matcher finds nothing or
+    anything, whatever the surface is: by the map, or because missing depth borders on depth that is hardly more."""
+    axis = burst.T_world_cam.rotation.as_matrix()[:, 2]
+    by_map = seen.covered & (probable_lengths(seen, settings, size) * (seen.rays @ axis) < min_z)
+    missing = seen.lengths == 0
+    hardly_more = ~missing & (seen.lengths * (seen.rays @ axis) < settings.near_margin * min_z)
+    regions = regions_of(missing & seen.covered)
+    bordering = np.bincount(maximum_filter(regions, size=3)[hardly_more], minlength=int(regions.max()) + 1)
+    bordering[0] = 0  # other pixels are in no region
+    return by_map | (bordering >= settings.bordering)[regions]
+
+
+def dull_pixels(
+    burst: DepthBurst,
+    model: Model,
+    hull: ObjectHull,
+    pixels: Bool[np.ndarray, "h w"],
+    places: Float[np.ndarray, "h w 3"],
+    settings: RobustSettings,
+) -> Bool[np.ndarray, "h w"]:
+    """Those of the pixels whose region lies on surface that is measured from aslant (`dull_surface`)."""
+    grid, points = with_scans(model.voxel_map), places[pixels]
+    index, inside = grid.indices(points)
+    normals = np.where(inside[:, None], grid.normals[tuple(np.where(inside[:, None], index, 0).T)], 0.0)
+    normals = np.where(np.any(normals, axis=1)[:, None], normals, hull.normals_at(points))
+    faces_away = np.einsum("nk,nk->n", normals, burst.T_world_cam.translation - points) < 0
+    normals[faces_away] *= -1.0
+    return of_dull_surface(pixels, measured_aslant(model, points, normals, settings), settings)
 
 
 def holes_of_reflection(seen: ObjectPixels, settings: RobustSettings) -> Bool[np.ndarray, "h w"]:
@@ -122,18 +162,21 @@ def probable_surface(
     settings: RobustSettings,
     size: float,
 ) -> tuple[Float[np.ndarray, "h w 3"], Float[np.ndarray, "h w"]]:
-    """Places of the pixels' surface [m], and their standard deviation [m]; NaN elsewhere.
-
-    The confirmed surface that the ray meets, if it was measured from this side or lies near the hull; else the hull.
-    """
+    """Places of the pixels' surface [m], and their standard deviation [m]; NaN elsewhere."""
     places, uncertainty = _nowhere(pixels.shape), np.full(pixels.shape, np.nan)
-    front = seen.faces_camera | (seen.surface < seen.entry + settings.at_hull_voxels * size)
-    lengths = np.where(front, seen.surface, seen.entry)[pixels]
+    lengths = probable_lengths(seen, settings, size)[pixels]
     points = burst.T_world_cam.translation + lengths[:, None] * seen.rays[pixels]
     places[pixels] = points
     gap = KDTree(hull.measured).query(points)[0] if len(points) else np.zeros(0)
     uncertainty[pixels] = size / 2 + settings.sag * gap
     return places, uncertainty
+
+
+def probable_lengths(seen: ObjectPixels, settings: RobustSettings, size: float) -> Float[np.ndarray, "h w"]:
+    """Length of each ray to its surface [m]: the confirmed one that it meets, if that was measured from this side or
+    lies near the hull; else the hull."""
+    front = seen.faces_camera | (seen.surface < seen.entry + settings.at_hull_voxels * size)
+    return np.where(front, seen.surface, seen.entry)
 
 
 def not_in_map(points: Float[np.ndarray, "n 3"], model: Model) -> Bool[np.ndarray, "n"]:

@@ -54,9 +54,9 @@ class RobustSettings(BaseModel):
     sure_log_odds: Positive = 4.0
     """Log-odds from which a voxel surely holds surface, for the hull of the object [-]. Choice: one whole hit has 5.3,
     one hit and one whole pass 3.3."""
-    least_inside_voxels: Positive = 1.0
-    """A pixel looks at the object if its ray comes deeper than this below the hull [s_v]. Choice: a voxel, by which the
-    hull may be too large; at its rim the matcher loses pixels whatever they show."""
+    least_inside_voxels: Positive = 0.5
+    """A pixel looks at the object if its ray comes deeper than this below the hull [s_v]. Choice: as
+    far as the hull may be wrong, which runs through the middle of voxels; a wedge is shallow where it is looked at."""
     least_inside_share: Share = 0.5
     """Or than this share of what any ray of the view does [-]. Choice: half, for thin parts and thin first hulls."""
     false_inside_voxels: Positive = 1.5
@@ -81,12 +81,26 @@ class RobustSettings(BaseModel):
     the most that the camera is to have."""
     baseline: Positive = 0.05
     """Between the imagers [m]. The D435's; a D415 has 0.055."""
-    steepest: Positive = 0.25
+    steepest: Positive = 0.5
     """Change of disparity from pixel to pixel beyond which a matcher's window does not hold a surface [px per px].
-    Choice: a whole step between the middle and the rim of a 9 x 9 window; 60 deg of incidence at 0.35 m."""
+    Choice: two whole steps between the middle and the rim of a 9 x 9 window; 74 deg of incidence at 0.35 m."""
     at_hull_voxels: Positive = 3.0
     """Confirmed surface farther than this behind the hull's face is the far side of the part [s_v]. Choice: beyond what
     grooves have, and thinner than parts are."""
+    near_margin: Annotated[float, Field(ge=1)] = 1.05
+    """Missing depth beside depth of less than this times the least that the camera measures is missing for being too
+    near [-]. Choice: at its edge such a hole has depth just beyond that."""
+    bordering: Count = 3
+    """Pixels of such depth that a region of missing depth must border on [-]. Choice: one or two may be false."""
+    mirror_trials: Positive = 2.0
+    """Failures from aslant that any surface begins with, beside one success [-]. Choice: of surface of which nothing is
+    known, or a voxel or two, a hole is one of reflection."""
+    alike_trials: Positive = 4.0
+    """Views from aslant that what is known of surface alike counts as, beside those of a place itself [-]. Choice: as
+    many as see a place in a run, at most."""
+    dull: Annotated[float, Field(ge=0.5, le=1)] = 0.5
+    """Missing or false depth is none of reflection where a larger share of views from aslant measures the surface than
+    this [-]. Choice: more often than not."""
     sag: Share = 0.1
     """Of the distance to the nearest measured voxel, by which surface may leave the hull [-]. Choice: a round part that
     is measured every 60 deg."""

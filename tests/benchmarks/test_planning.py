@@ -80,6 +80,6 @@ def test_robust_decision(stopwatch):
         stopwatch.time(f"fra-robust choice of a view, burst {number}", choice, n=15, goal=DECISION_GOAL)
         stopwatch.time(
             f"fra-robust detection, burst {number}",
-            lambda now=now, burst=burst: detect(burst, now, PARAMETERS),
+            lambda now=now, burst=burst: detect(burst, now, PARAMETERS, camera.min_z),
             n=15,
         )

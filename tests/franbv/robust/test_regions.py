@@ -22,10 +22,14 @@ from tests.franbv.analytic_camera import SENSOR, AnalyticCamera, FreeArm
 from tests.franbv.robust.mirror_camera import BOX, ROOM, MirrorCamera
 
 PARAMETERS, SETTINGS = Parameters(n_frames=3, max_iterations=3), RobustSettings()
+NEVER_DULL = SETTINGS.model_copy(update={"dull": 1.0})
+"""Names what is missing or false on surface that was measured from aslant, too."""
 MIDDLE = np.array([0.0, 0.0, 0.04])
 AROUND = [(0.3, 0.0, 0.2), (-0.3, 0.0, 0.2), (0.0, -0.3, 0.2), (0.1, 0.0, 0.4)]
 ASLANT = (0.12, 0.28, 0.12)
 """Sees the side towards +y at 30 deg."""
+MIN_Z = AnalyticCamera.min_z
+"""Of these cameras [m]."""
 VOXEL, SHAPE = PARAMETERS.voxel_size, (SENSOR.height, SENSOR.width)
 
 
@@ -43,7 +47,7 @@ def seen_by(
 ) -> tuple[DepthBurst, RobustDetection]:
     """A burst from there, and what it shows after the views around."""
     burst = camera.capture(rolled(look_at(np.array(eye), MIDDLE), roll), frames)
-    return burst, detect_robustly(burst, after(camera, AROUND, burst), PARAMETERS, SETTINGS)
+    return burst, detect_robustly(burst, after(camera, AROUND, burst), PARAMETERS, MIN_Z, SETTINGS)
 
 
 def side_of(burst: DepthBurst, margin: float) -> np.ndarray:
@@ -105,7 +109,7 @@ def test_surface_that_was_measured_from_this_side_is_where_a_hole_lies():
     wall = (np.abs(points[:, 0] + 0.04) < 0.003) & (np.abs(points[:, 1]) < 0.02) & (points[:, 2] < 0.07)
     wall = (wall & (points[:, 2] > 0.04)).reshape(SHAPE)
     last = replace(burst, depths=np.where(wall, 0, burst.depths).astype(np.float32))
-    found = detect_robustly(last, after(plain, [*AROUND, *front], last), PARAMETERS, SETTINGS)
+    found = detect_robustly(last, after(plain, [*AROUND, *front], last), PARAMETERS, MIN_Z, NEVER_DULL)
     assert (found.holes & wall).sum() > 5
     assert np.all(np.abs(found.places[found.holes & wall][:, 0] + 0.04) < VOXEL)
 
@@ -132,13 +136,13 @@ def test_the_object_s_stereo_shadow_is_no_hole():
     for row, column in np.argwhere(rim):
         shadow[row, max(column - 3, 0) : column + 1] = True
     hidden = replace(burst, depths=np.where(shadow, 0.0, burst.depths).astype(np.float32))
-    found = detect_robustly(hidden, after(camera, AROUND, hidden), PARAMETERS, SETTINGS)
+    found = detect_robustly(hidden, after(camera, AROUND, hidden), PARAMETERS, MIN_Z, SETTINGS)
     assert not found.holes.any()
 
 
 @pytest.mark.parametrize("roll", [0.0, 90.0])
 def test_surface_too_steep_for_a_window_is_no_hole(roll):
-    """tan(incidence) / (Z / B) is the change of disparity from pixel to pixel: above a quarter at 75 deg, below it at
+    """tan(incidence) / (Z / B) is the change of disparity from pixel to pixel: above a half at 75 deg, below it at
     40 deg. A side without depth is a hole in the second view alone."""
     camera = AnalyticCamera((((-0.1, -0.04, 0.0), (0.1, 0.04, 0.12)),), room=ROOM)
     found = []
@@ -152,7 +156,7 @@ def test_surface_too_steep_for_a_window_is_no_hole(roll):
         side &= np.abs(points[:, 0]) < 0.05  # where the incidence is within a few degrees of that of the middle
         last = replace(burst, depths=np.where(side.reshape(SHAPE), 0, burst.depths).astype(np.float32))
         model = after(camera, [*AROUND, (0.0, 0.3, 0.2)], last)
-        found.append(np.mean(detect_robustly(last, model, PARAMETERS, SETTINGS).holes.ravel()[side]))
+        found.append(np.mean(detect_robustly(last, model, PARAMETERS, MIN_Z, NEVER_DULL).holes.ravel()[side]))
     assert found[0] < 0.1
     assert found[1] > 0.9
 
@@ -162,7 +166,7 @@ def test_a_surface_that_the_map_holds_is_named_but_no_region():
     plain = AnalyticCamera((BOX,), room=ROOM)
     burst = AnalyticCamera((BOX,), room=ROOM, hole=holed).capture(look_at(np.array(ASLANT), MIDDLE), 3)
     model = after(plain, [*AROUND, (0.0, 0.3, 0.2), (0.1, 0.28, 0.2)], burst)
-    found = detect_robustly(burst, model, PARAMETERS, SETTINGS)
+    found = detect_robustly(burst, model, PARAMETERS, MIN_Z, NEVER_DULL)
     assert found.holes.sum() > 20
     assert not found.retained.any()
     assert found.boxes == ()
@@ -183,7 +187,7 @@ def test_unsteady_depth_within_the_hull_is_false():
             frame[side_of(burst, 0.0)] += by
             frame[pit] += 0.045
         last = replace(burst, depths=depths)
-        found = detect_robustly(last, after(camera, AROUND, last), PARAMETERS, SETTINGS)
+        found = detect_robustly(last, after(camera, AROUND, last), PARAMETERS, MIN_Z, NEVER_DULL)
         assert found.false_depth[pit].all() == found.false_depth[pit].any() == named
 
 
@@ -191,7 +195,7 @@ def test_nothing_is_named_before_anything_was_seen():
     """An empty burst before an empty map: no hull, no regions, and a map without scans does as well."""
     nothing = DepthBurst(np.zeros((3, 40, 60), np.float32), SENSOR, look_at(np.array(ASLANT), MIDDLE))
     empty = model_of(empty_map(PARAMETERS), pb(), PARAMETERS, np.random.SeedSequence(0))
-    found = detect_robustly(nothing, empty, PARAMETERS, SETTINGS)
+    found = detect_robustly(nothing, empty, PARAMETERS, MIN_Z, SETTINGS)
     assert not found.candidates.any()
     assert found.boxes == ()
     assert found.confidence_map.all()
