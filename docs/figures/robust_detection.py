@@ -42,13 +42,14 @@ def main(folders: list[Path], preset: str | None, keep: Path | None) -> None:
     for case in (case for folder in folders for case in stored_runs(folder)):
         stored = StoredRun(case)
         parameters = Parameters.model_validate(stored.run["config"]["parameters"])
+        part = stored.run["title"].split(",")[0]
         camera = camera_of(stored, preset)
         views = list(labelled_views(stored, camera, parameters.n_frames, preset, keep))
         for name in COMPARED:
             scores = scores_of(PLANNERS[name].build(), views, parameters, camera.min_z)
-            print(row(case.parent.name, name, scores))
+            print(row(part, name, scores))
             if name == "fra-robust":
-                print(row(case.parent.name, f"{name}, first {EARLY}", scores[:EARLY]))
+                print(row(part, f"{name}, first {EARLY}", scores[:EARLY]))
             everything[name] += scores
     for name, scores in everything.items():
         print(row("all", name, scores), flush=True)
