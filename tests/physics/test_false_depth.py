@@ -82,11 +82,14 @@ def test_stereo_sees_the_mirror_equation_on_the_axis(distance):
 
 def test_ball_is_seen_half_its_radius_too_deep():
     """A mirror ball of R 43.5 mm on a wooden table 0.59 m below the camera: its middle shows ceiling and lamps, whose
-    virtual images lie s R / (2 s + R), nearly R / 2, behind the pole. Within 10 %; a tenth of a pixel is 0.8 mm."""
+    virtual images lie s R / (2 s + R), nearly R / 2, behind the pole. Within 10 %; a tenth of a pixel is 0.8 mm.
+
+    Of its pixels 95 % are filled, to within what noise does: from seed to seed the share differs by 0.013 (0.950 and
+    0.937 of two on one processor), and on another processor by a few pixels."""
     radius = 0.0435
     view = ball_from_above(steel(0.01), radius, 0.5 + 2 * radius)
     bias = ball_bias(camera_near(view), view, radius)
-    assert bias.filled > 0.95
+    assert bias.filled > 0.95 - 2 * 0.013
     assert bias.middle_mm == pytest.approx(1e3 * virtual_image_depth(CEILING - 2 * radius, radius), rel=0.1)
 
 
