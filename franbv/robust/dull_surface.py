@@ -49,7 +49,7 @@ def measured_aslant(
         return np.full(len(places), 1.0 / (1.0 + settings.mirror_trials))
     every = max(1, len(model.object.occupied) // MOST_KNOWN)
     known = model.object.occupied[::every]
-    facing = grid.normals[tuple(grid.indices(known)[0].T)].astype(float)
+    facing = grid.normals_at(known)
     looks, trials = _looks_from_aslant(grid, known, facing, settings), every / settings.pixels_per_trial
     successes, failures = trials * looks.measured, trials * (looks.passed + looks.lost)
     of_run = (1.0 + successes.sum()) / (2.0 + successes.sum() + failures.sum())

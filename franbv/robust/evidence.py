@@ -78,6 +78,13 @@ class EvidenceMap(VoxelMap):
         """The confirmed surface, for rays."""
         return SurfaceGrid.of(self.normals, self.confirmed)
 
+    def normals_at(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+        """Normal of the voxel that each world point lies in; 0 where that is not occupied, and outside the grid."""
+        index, inside = self.indices(points)
+        found = np.zeros((len(points), 3))
+        found[inside] = self.normals[tuple(index[inside].T)]
+        return found
+
 
 def integrate_robustly(
     voxel_map: VoxelMap, burst: DepthBurst, parameters: Parameters, settings: RobustSettings

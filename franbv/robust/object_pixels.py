@@ -117,8 +117,7 @@ def _measured_from_here(
     """Pixels whose surface some scan measured that stood on the same side of it."""
     grid, met = with_scans(model.voxel_map), np.isfinite(surface)
     points = eye + surface[met][:, None] * rays[met]
-    index, inside = grid.indices(points)
-    normals = np.where(inside[:, None], grid.normals[tuple(np.where(inside[:, None], index, 0).T)], 0.0)
+    normals = grid.normals_at(points)
     side = np.einsum("nk,nk->n", normals, eye - points)
     tolerance, facing = settings.contradiction_voxels * grid.voxel_size, np.zeros(len(points), bool)
     for scan in grid.scans:

@@ -105,8 +105,7 @@ def dull_pixels(
 ) -> Bool[np.ndarray, "h w"]:
     """Those of the pixels whose region lies on surface that is measured from aslant (`dull_surface`)."""
     grid, points = with_scans(model.voxel_map), places[pixels]
-    index, inside = grid.indices(points)
-    normals = np.where(inside[:, None], grid.normals[tuple(np.where(inside[:, None], index, 0).T)], 0.0)
+    normals = grid.normals_at(points)
     normals = np.where(np.any(normals, axis=1)[:, None], normals, hull.normals_at(points))
     faces_away = np.einsum("nk,nk->n", normals, burst.T_world_cam.translation - points) < 0
     normals[faces_away] *= -1.0
